@@ -1,0 +1,1 @@
+//! Who is hit: one seam, several backends.

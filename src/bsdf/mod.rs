@@ -1,0 +1,1 @@
+//! Scattering at one point, untextured, in the local frame.

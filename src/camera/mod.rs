@@ -1,0 +1,1 @@
+//! From a film point to a ray.

@@ -1,0 +1,1 @@
+//! Errors and places in files.

@@ -1,0 +1,1 @@
+//! Pixels, colour, and the files that hold them.

@@ -1,0 +1,1 @@
+//! Emission and how to sample it.

@@ -1,0 +1,3 @@
+//! The `specula` program.
+
+fn main() {}

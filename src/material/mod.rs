@@ -1,0 +1,1 @@
+//! Texture and BSDF at an interaction.

@@ -1,0 +1,2 @@
+//! Numbers, vectors over lanes, frames and transforms.
+pub mod lanes;

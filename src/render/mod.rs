@@ -1,0 +1,1 @@
+//! Tiles, threads and dispatch.

@@ -1,0 +1,1 @@
+//! Random numbers with named dimensions, warps and tables.
