@@ -24,9 +24,13 @@ struct Embree {
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed=.embree");
     println!("cargo::rerun-if-env-changed=EMBREE_DIR");
-    if let Err(error) = build() {
+    // Cargo would rerun this at every build for the sake of a path that does not exist.
+    let built = build();
+    if built.is_err() || Path::new(".embree").exists() {
+        println!("cargo::rerun-if-changed=.embree");
+    }
+    if let Err(error) = built {
         println!("cargo::error={error}; {REMEDY}");
     }
 }
