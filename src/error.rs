@@ -1,1 +1,185 @@
 //! Errors and places in files.
+//!
+//! What can go wrong outside the inner loops is a value of [`Error`]. Problems with input are collected, all of a file at
+//! once, and each names its place and a remedy.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A place in a text that a user wrote.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    /// The file as the user named it, or a word such as `command line`.
+    pub file: Arc<Path>,
+    /// Line, from 1; absent where only the file is known.
+    pub line: Option<u32>,
+    /// Column in characters, from 1; absent where only the line is known.
+    pub column: Option<u32>,
+}
+
+impl Place {
+    /// Somewhere in a file.
+    pub fn file(file: impl AsRef<Path>) -> Self {
+        Self { file: file.as_ref().into(), line: None, column: None }
+    }
+
+    /// The place of a byte offset in the text of a file.
+    pub fn of_offset(file: Arc<Path>, text: &str, offset: usize) -> Self {
+        let before = &text[..text.floor_char_boundary(offset.min(text.len()))];
+        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
+        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let line = count(before.matches('\n').count() + 1);
+        let column = count(before[line_start..].chars().count() + 1);
+        Self { file, line: Some(line), column: Some(column) }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if let Some(column) = self.column {
+            write!(f, ":{column}")?;
+        }
+        Ok(())
+    }
+}
+
+/// One thing wrong with an input: shown as `place: what; remedy`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Where.
+    pub place: Option<Place>,
+    /// What is wrong, in lower case, without a full stop.
+    pub what: String,
+    /// What to do about it.
+    pub remedy: Option<String>,
+}
+
+impl Problem {
+    /// A problem at a place.
+    pub fn at(place: Place, what: impl Into<String>) -> Self {
+        Self { place: Some(place), what: what.into(), remedy: None }
+    }
+
+    /// A problem without a place in a file.
+    pub fn new(what: impl Into<String>) -> Self {
+        Self { place: None, what: what.into(), remedy: None }
+    }
+
+    /// The same problem with a remedy.
+    #[must_use]
+    pub fn remedy(self, remedy: impl Into<String>) -> Self {
+        Self { remedy: Some(remedy.into()), ..self }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(place) = &self.place {
+            write!(f, "{place}: ")?;
+        }
+        f.write_str(&self.what)?;
+        if let Some(remedy) = &self.remedy {
+            write!(f, "; {remedy}")?;
+        }
+        Ok(())
+    }
+}
+
+/// Everything wrong with an input, at least one thing.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Problems(pub Vec<Problem>);
+
+impl Problems {
+    /// Adds a problem.
+    pub fn push(&mut self, problem: Problem) {
+        self.0.push(problem);
+    }
+
+    /// `value` if nothing was wrong, else all that was.
+    pub fn into_result<T>(self, value: T) -> Result<T> {
+        if self.0.is_empty() { Ok(value) } else { Err(Error::Input(self)) }
+    }
+}
+
+impl From<Problem> for Problems {
+    fn from(problem: Problem) -> Self {
+        Self(vec![problem])
+    }
+}
+
+impl fmt::Display for Problems {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, problem) in self.0.iter().enumerate() {
+            let line_break = if i == 0 { "" } else { "\n" };
+            write!(f, "{line_break}{problem}")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Problems {}
+
+/// What stops a command.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The command line or an input is wrong.
+    #[error(transparent)]
+    Input(#[from] Problems),
+    /// Reading or writing failed.
+    #[error("{}: {what}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        what: &'static str,
+        /// Why it failed.
+        source: std::io::Error,
+    },
+    /// A backend gave up.
+    #[error("{backend}: {what}")]
+    Backend {
+        /// Which.
+        backend: &'static str,
+        /// What it said.
+        what: String,
+    },
+    /// Somebody asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl From<Problem> for Error {
+    fn from(problem: Problem) -> Self {
+        Self::Input(problem.into())
+    }
+}
+
+/// A value, or what stopped the command.
+pub type Result<T> = std::result::Result<T, Error>;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_count_lines_and_characters_from_one() {
+        let text = "a\nβγ = 1\n";
+        let file: Arc<Path> = Path::new("a.toml").into();
+        let at = |offset| Place::of_offset(file.clone(), text, offset).to_string();
+        assert_eq!(at(0), "a.toml:1:1", "start");
+        assert_eq!(at(text.find('=').expect("there")), "a.toml:2:4", "after two letters of two bytes");
+        assert_eq!(at(1000), "a.toml:3:1", "past the end");
+    }
+
+    #[test]
+    fn problems_name_place_and_remedy() {
+        let problem =
+            Problem::at(Place::file("x.toml"), "unknown material `glas`").remedy("did you mean `glass`?");
+        assert_eq!(problem.to_string(), "x.toml: unknown material `glas`; did you mean `glass`?", "shown");
+    }
+}

@@ -1,1 +1,85 @@
 //! Who is hit: one seam, several backends.
+//!
+//! [`Accel`] answers closest-hit and any-hit queries for one ray, for packets and for streams. A backend must
+//! write the single queries; packets and streams have plain default bodies on top of them, so callers may not assume
+//! that a packet or a stream is faster. All kinds of query give the same answers but for ties on shared edges.
+
+pub mod brute;
+pub mod packet;
+pub mod stream;
+
+pub use brute::Brute;
+pub use packet::{Active, HitPacket, Packet, RayPacket};
+pub use stream::{HitStream, RayStream};
+
+use crate::geometry::{Hit, Ray};
+use crate::math::Aabb;
+
+/// Whether the rays of a packet or stream start and head alike. Only a hint: it changes speed, not answers, and the
+/// wrong hint halves the speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coherence {
+    /// Neighbours take nearly the same way, as camera rays do.
+    Coherent,
+    /// Neighbours part, as rays after a diffuse bounce do.
+    Incoherent,
+}
+
+/// Something that finds hits in a frozen world.
+///
+/// Rays that are not traceable ([`Ray::is_traceable`]) hit nothing.
+pub trait Accel: Send + Sync {
+    /// The nearest hit within the ray's range.
+    fn intersect(&self, ray: &Ray) -> Option<Hit>;
+
+    /// Whether anything lies within the ray's range.
+    fn occluded(&self, ray: &Ray) -> bool;
+
+    /// The nearest hit of each active lane, written to `packet.hit`, and its parameter to `packet.ray.t_max`; inactive
+    /// lanes and misses stay as they are, but for the identifiers of active misses, which say "none".
+    fn intersect_packet<const N: usize>(
+        &self,
+        active: &Active<N>,
+        packet: &mut Packet<N>,
+        _coherence: Coherence,
+    ) {
+        for lane in active.lanes() {
+            let hit = self.intersect(&packet.ray.get(lane));
+            packet.set_hit(lane, hit.as_ref());
+        }
+    }
+
+    /// Whether anything lies within the range of each active lane: those lanes' `t_max` becomes negative infinity.
+    fn occluded_packet<const N: usize>(
+        &self,
+        active: &Active<N>,
+        rays: &mut RayPacket<N>,
+        _coherence: Coherence,
+    ) {
+        for lane in active.lanes() {
+            if self.occluded(&rays.get(lane)) {
+                rays.t_max[lane] = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// The nearest hit of every ray; `hits` is resized to match.
+    fn intersect_stream(&self, rays: &RayStream, hits: &mut HitStream, _coherence: Coherence) {
+        hits.resize(rays.len());
+        for i in 0..rays.len() {
+            hits.set(i, self.intersect(&rays.get(i)).as_ref());
+        }
+    }
+
+    /// Whether anything lies within the range of every ray; `occluded` is resized to match.
+    fn occluded_stream(&self, rays: &RayStream, occluded: &mut Vec<bool>, _coherence: Coherence) {
+        occluded.clear();
+        occluded.extend((0..rays.len()).map(|i| self.occluded(&rays.get(i))));
+    }
+
+    /// A box around everything that can be hit.
+    fn bounds(&self) -> Aabb;
+
+    /// Bytes held for the hierarchy, beyond the shapes themselves.
+    fn bytes(&self) -> usize;
+}
