@@ -1,1 +1,214 @@
 //! One source, any width: the SIMD vocabulary that all shading is written in.
+//!
+//! A kernel is generic over [`Lanes`] (values) or [`Isa`] (the token that makes values) and is compiled once per
+//! instruction set. One lane is plain `f32`; [`Portable`] is arrays of any width; AVX2 and AVX-512 are
+//! intrinsics, entered through a level, which is found once at start.
+//!
+//! **A value is the proof.** A wide value can only be made from a token, a token only by run-time detection, so every
+//! operation on a value is a safe function.
+//!
+//! Limits:
+//! * Every function of a kernel must be `#[inline(always)]`, and no closure that computes with lanes may be passed to
+//!   a function that is not: code left out of line is compiled without the instruction set and costs ten times more.
+//! * `mul_add` is fused where the hardware fuses and rounds twice elsewhere: widths agree to rounding, not bit for bit.
+//! * On concrete `f32` and `u32` the inherent methods of the standard library win over those here; they mean the same,
+//!   but `f32::mul_add` is then a slow library call.
+//! * Floats on the left of an operator do not exist: write `-x + 1.0` for one minus x.
+
+mod compare;
+mod int;
+mod isa;
+#[macro_use]
+mod operators;
+mod portable;
+mod scalar;
+
+use std::fmt::Debug;
+use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
+
+pub use compare::{Compare, MaskLanes, Select};
+pub use int::{IntLanes, Wrapping};
+pub use isa::{Isa, Kernel};
+pub use portable::{Portable, PortableF32, PortableMask, PortableU32};
+pub use scalar::Scalar;
+
+/// Float lanes: [`Isa::WIDTH`] numbers of type `f32` that are computed with together.
+///
+/// Every operator and comparison also takes an `f32` on the right, meaning the same number in all lanes.
+pub trait Lanes:
+    Select
+    + Debug
+    + Send
+    + Sync
+    + 'static
+    + Neg<Output = Self>
+    + Add<Self, Output = Self>
+    + Add<f32, Output = Self>
+    + Sub<Self, Output = Self>
+    + Sub<f32, Output = Self>
+    + Mul<Self, Output = Self>
+    + Mul<f32, Output = Self>
+    + Div<Self, Output = Self>
+    + Div<f32, Output = Self>
+    + AddAssign<Self>
+    + AddAssign<f32>
+    + SubAssign<Self>
+    + SubAssign<f32>
+    + MulAssign<Self>
+    + MulAssign<f32>
+    + DivAssign<Self>
+    + DivAssign<f32>
+    + Compare<Self>
+    + Compare<f32>
+{
+    /// The token that makes values of this kind.
+    type Isa: Isa<F = Self, I = Self::Int, M = Self::Mask>;
+    /// Unsigned integers of the same width.
+    type Int: IntLanes<F = Self, Isa = Self::Isa, Mask = Self::Mask>;
+    /// The number of lanes.
+    const WIDTH: usize;
+
+    /// The token this value was made with.
+    fn isa(self) -> Self::Isa;
+    /// `x` in all lanes: another value of the same kind.
+    fn splat(self, x: f32) -> Self;
+    /// The bits of the IEEE 754 representation.
+    fn to_bits(self) -> Self::Int;
+    /// The numbers with the bits given.
+    fn from_bits(bits: Self::Int) -> Self;
+    /// Rounded towards zero, in two's complement; unspecified for |x| >= 2^31 and NaN.
+    fn to_int(self) -> Self::Int;
+    /// Lane `i`. Slow; for tests and rare cases.
+    ///
+    /// # Panics
+    /// If `i >= WIDTH`.
+    fn extract(self, i: usize) -> f32;
+    /// Writes all lanes to the first `WIDTH` elements.
+    ///
+    /// # Panics
+    /// If `to` is shorter than `WIDTH`.
+    fn store(self, to: &mut [f32]);
+    /// The lanes that are set in `mask`, packed to the front in order; what follows them is unspecified.
+    fn compress(self, mask: Self::Mask) -> Self;
+
+    /// The magnitude.
+    fn abs(self) -> Self;
+    /// The square root, correctly rounded; NaN below zero.
+    fn sqrt(self) -> Self;
+    /// The greatest integer not above.
+    fn floor(self) -> Self;
+    /// The nearest integer; halves go to the even one.
+    fn round_ties_even(self) -> Self;
+    /// `self * b + c`: rounded once where the hardware fuses, twice elsewhere.
+    fn mul_add(self, b: Self, c: Self) -> Self;
+    /// The magnitude of `self` with the sign of `sign`, its zero included.
+    fn copysign(self, sign: Self) -> Self;
+    /// `self`, negated where `sign` is negative or minus zero.
+    fn flip_sign(self, sign: Self) -> Self;
+    /// Neither infinite nor NaN.
+    fn is_finite(self) -> Self::Mask;
+
+    /// 1 / x, correctly rounded.
+    #[inline(always)]
+    fn recip(self) -> Self {
+        self.splat(1.0) / self
+    }
+    /// 1 / sqrt(x), within 1.5 ulp.
+    #[inline(always)]
+    fn rsqrt(self) -> Self {
+        self.splat(1.0) / self.sqrt()
+    }
+    /// `self` limited to [`low`, `high`]; NaN gives `low`.
+    #[inline(always)]
+    fn clamp(self, low: f32, high: f32) -> Self {
+        self.max(low).min(high)
+    }
+    /// x^2.
+    #[inline(always)]
+    fn square(self) -> Self {
+        self * self
+    }
+    /// x^5.
+    #[inline(always)]
+    fn pow5(self) -> Self {
+        self.square().square() * self
+    }
+    /// `self` at `t` = 0, `to` at 1.
+    #[inline(always)]
+    fn lerp(self, to: Self, t: Self) -> Self {
+        t.mul_add(to - self, self)
+    }
+
+    /// `f` of each lane, one at a time. Slow; `f` must not compute with lanes.
+    #[inline(always)]
+    fn map(self, f: impl Fn(f32) -> f32) -> Self {
+        self.isa().per_lane(|i| f(self.extract(i)))
+    }
+    /// e^x.
+    #[inline(always)]
+    fn exp(self) -> Self {
+        self.map(f32::exp)
+    }
+    /// e^x - 1, accurate near zero.
+    #[inline(always)]
+    fn exp_m1(self) -> Self {
+        self.map(f32::exp_m1)
+    }
+    /// The natural logarithm.
+    #[inline(always)]
+    fn ln(self) -> Self {
+        self.map(f32::ln)
+    }
+    /// ln(1 + x), accurate near zero.
+    #[inline(always)]
+    fn ln_1p(self) -> Self {
+        self.map(f32::ln_1p)
+    }
+    /// x^y for x >= 0; 0^0 is 1.
+    #[inline(always)]
+    fn powf(self, y: Self) -> Self {
+        let isa = self.isa();
+        isa.per_lane(|i| self.extract(i).powf(y.extract(i)))
+    }
+    /// The sine of x radians.
+    #[inline(always)]
+    fn sin(self) -> Self {
+        self.sin_cos().0
+    }
+    /// The cosine of x radians.
+    #[inline(always)]
+    fn cos(self) -> Self {
+        self.sin_cos().1
+    }
+    /// Sine and cosine of x radians.
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.map(f32::sin), self.map(f32::cos))
+    }
+    /// Sine and cosine of x turns, that is of 2 pi x.
+    #[inline(always)]
+    fn sin_cos_turns(self) -> (Self, Self) {
+        (self * std::f32::consts::TAU).sin_cos()
+    }
+    /// The arc sine in radians, in [-pi/2, pi/2].
+    #[inline(always)]
+    fn asin(self) -> Self {
+        self.map(f32::asin)
+    }
+    /// The arc cosine in radians, in [0, pi].
+    #[inline(always)]
+    fn acos(self) -> Self {
+        self.map(f32::acos)
+    }
+    /// The arc tangent in radians, in [-pi/2, pi/2].
+    #[inline(always)]
+    fn atan(self) -> Self {
+        self.map(f32::atan)
+    }
+    /// The angle in radians of the point (`x`, `self`) from the x axis, in [-pi, pi].
+    #[inline(always)]
+    fn atan2(self, x: Self) -> Self {
+        let isa = self.isa();
+        isa.per_lane(|i| self.extract(i).atan2(x.extract(i)))
+    }
+}
