@@ -1,1 +1,4 @@
 //! From files to a frozen scene.
+
+pub mod description;
+mod record;

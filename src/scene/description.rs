@@ -1,0 +1,531 @@
+//! What a scene file says: plain data, each entry with its place.
+//!
+//! Every table of the scene file is declared here, once: names, types, units, ranges and defaults of its keys, and the
+//! sentence that explains each. The decoder, the checks, the suggestions and the JSON Schema all come from these
+//! declarations (see [`crate::scene::record`]). Lengths are metres, radiance is W/(sr m^2), angles are degrees.
+//!
+//! A description that came out of [`crate::scene::load()`] is valid key by key, its references resolve and the files it
+//! names exist; whether those files can be read and whether a transform is invertible is found out later.
+
+use crate::error::Place;
+use crate::scene::record::{choice, record, tagged};
+use glam::Vec3;
+use std::ops::Deref;
+use std::path::PathBuf;
+
+/// A value, and where it was written.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Located<T> {
+    /// The value.
+    pub value: T,
+    /// Where it stands; the table around it where it was left out.
+    pub place: Place,
+}
+
+impl<T> Deref for Located<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// An entry of a table whose keys are names.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T> {
+    /// Its name.
+    pub name: String,
+    /// Where the name was given.
+    pub place: Place,
+    /// The entry.
+    pub value: T,
+}
+
+/// Linear Rec. 709 red, green and blue; a single number in the file stands for all three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Color(pub [f32; 3]);
+
+impl Color {
+    /// The same in all channels.
+    #[must_use]
+    pub const fn grey(value: f32) -> Self {
+        Self([value; 3])
+    }
+}
+
+/// One number per axis; a single number in the file stands for all three.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PerAxis(pub Vec3);
+
+/// A colour that may vary over a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Texture {
+    /// The same everywhere.
+    Constant(Color),
+    /// Two colours by turns.
+    Checker(Checker),
+}
+
+impl Texture {
+    /// The same grey everywhere.
+    #[must_use]
+    pub const fn grey(value: f32) -> Self {
+        Self::Constant(Color::grey(value))
+    }
+}
+
+record! {
+    /// A chequered pattern over surface parameters.
+    pub struct Checker {
+        /// The two colours; the first one starts at the origin of the surface parameters.
+        checker: [Color; 2], min(0.0);
+        /// How many fields there are along u and along v between 0 and 1.
+        repeat: [f32; 2] = [2.0, 2.0], above(0.0);
+    }
+}
+
+record! {
+    /// A scene.
+    pub struct Description {
+        /// From where and how the scene is seen.
+        camera: Located<Camera>;
+        /// The picture and how samples become pixels.
+        film: Film;
+        /// How light is followed; flags of the command line override these.
+        render: Render;
+        /// Materials by name.
+        materials: Vec<Named<Material>>;
+        /// Surfaces.
+        shapes: Vec<Located<Shape>>;
+        /// Lights; surfaces of an emitting material shine too.
+        lights: Vec<Located<Light>>;
+    }
+}
+
+tagged! {
+    /// From where and how the scene is seen.
+    pub enum Camera by tag("perspective") checked by check::camera {
+        /// A pinhole.
+        "perspective" => Perspective {
+            /// Where the camera stands.
+            from: Vec3 = Vec3::new(0.0, 1.6, 4.6), unit("m");
+            /// The point in the middle of the picture.
+            at: Vec3 = Vec3::new(0.0, 0.35, 0.0), unit("m");
+            /// The direction that points up in the picture; any length, not along the view.
+            up: Vec3 = Vec3::Y, nonzero();
+            /// Angle of view from the bottom to the top of the picture.
+            vfov_deg: f32 = 50.0, unit("degrees"), above(0.0), below(180.0);
+        }
+    }
+}
+
+record! {
+    /// The picture and how samples become pixels.
+    pub struct Film {
+        /// Columns.
+        width: u32 = 1280, unit("pixels"), min(1.0), max(65536.0);
+        /// Rows.
+        height: u32 = 720, unit("pixels"), min(1.0), max(65536.0);
+        /// How samples are weighted about the middle of a pixel.
+        filter: Filter = Filter::Mitchell;
+        /// How far the filter reaches; absent: 0.5 for box, 1 for tent, 1.5 for gaussian, 2 for mitchell.
+        filter_radius: Option<f32>, unit("pixels"), above(0.0), max(16.0);
+        /// Exposure of the PNG preview, in powers of two; EXR files are not touched by it.
+        exposure_ev: f32 = 0.0, unit("stops"), min(-100.0), max(100.0);
+        /// How radiance beyond white is shown in the PNG preview.
+        tone: Tone = Tone::Filmic;
+    }
+}
+
+choice! {
+    /// How samples are weighted about the middle of a pixel.
+    pub enum Filter {
+        /// All alike.
+        "box" => Box,
+        /// Falling linearly.
+        "tent" => Tent,
+        /// A Gaussian, shifted down to zero at its radius.
+        "gaussian" => Gaussian,
+        /// The sharpening cubic of Mitchell and Netravali.
+        "mitchell" => Mitchell,
+    }
+}
+
+impl Filter {
+    /// How far it reaches where the film does not say, in pixels.
+    #[must_use]
+    pub const fn default_radius(self) -> f32 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent => 1.0,
+            Self::Gaussian => 1.5,
+            Self::Mitchell => 2.0,
+        }
+    }
+}
+
+choice! {
+    /// How radiance beyond white is shown in the PNG preview.
+    pub enum Tone {
+        /// Cut off at white.
+        "clip" => Clip,
+        /// Rolled off smoothly.
+        "filmic" => Filmic,
+    }
+}
+
+record! {
+    /// How light is followed.
+    pub struct Render {
+        /// What is computed.
+        integrator: Integrator = Integrator::Whitted;
+        /// What the integrator `view` shows.
+        view: View = View::ShadingNormals;
+        /// Samples per pixel.
+        spp: u32 = 16, min(1.0), max(16_777_216.0);
+        /// Longest path followed, in edges: 1 sees emission only, 2 adds direct light.
+        max_depth: u32 = 16, min(1.0), max(65536.0);
+        /// Branches that would carry less than this part of what reaches the pixel are not followed.
+        min_throughput: f32 = 1e-3, min(0.0), max(1.0);
+        /// What finds hits.
+        backend: Backend = Backend::Embree;
+        /// Where samples fall.
+        sampler: Sampler = Sampler::Sobol;
+        /// Another seed gives another, equally valid noise.
+        seed: u64 = 0;
+    }
+}
+
+choice! {
+    /// What is computed.
+    pub enum Integrator {
+        /// A tree of mirrored and refracted rays with direct light.
+        "whitted" => Whitted,
+        /// A property of the first surface, for looking at a scene.
+        "view" => View,
+    }
+}
+
+choice! {
+    /// What the integrator `view` shows.
+    pub enum View {
+        /// Geometric normals as colours.
+        "normals" => Normals,
+        /// Shading normals as colours.
+        "shading_normals" => ShadingNormals,
+        /// Distance from the camera in metres.
+        "depth" => Depth,
+        /// Surface parameters as red and green.
+        "uv" => Uv,
+        /// A colour per material.
+        "material" => Material,
+        /// The work a pixel takes.
+        "cost" => Cost,
+    }
+}
+
+choice! {
+    /// What finds hits.
+    pub enum Backend {
+        /// Intel Embree 4.
+        "embree" => Embree,
+        /// Every primitive is tested against every ray: slow, for checking the others.
+        "brute" => Brute,
+    }
+}
+
+choice! {
+    /// Where samples fall.
+    pub enum Sampler {
+        /// An Owen-scrambled Sobol' sequence.
+        "sobol" => Sobol,
+        /// Independent random numbers.
+        "independent" => Independent,
+    }
+}
+
+tagged! {
+    /// What a surface does with light.
+    pub enum Material by tag() {
+        /// A matt surface.
+        "diffuse" => Diffuse {
+            /// The part of the light that is reflected, per channel.
+            reflectance: Texture = Texture::grey(0.5), min(0.0), max(1.0);
+        }
+        /// An ideal mirror, the same at all angles.
+        "mirror" => Mirror {
+            /// The part of the light that is reflected, per channel.
+            reflectance: Color = Color::grey(1.0), min(0.0), max(1.0);
+        }
+        /// A metal.
+        "conductor" => Conductor {
+            /// Width of the GGX distribution of facets; 0 is a mirror.
+            alpha: f32 = 0.0, min(0.0), max(1.0);
+            ..optics: Optics, "How much it reflects at which angle.";
+        }
+        /// A clear body with a smooth surface, such as glass or water.
+        "dielectric" => Dielectric {
+            /// Index of refraction against that of air; 1 is invisible.
+            ior: f32 = 1.5, min(1.0), max(10.0);
+            /// What is absorbed on the way through, per channel: light falls to 1/e over 1/absorption metres.
+            absorption: Color = Color::grey(0.0), unit("1/m"), min(0.0);
+            /// Where bodies overlap, the one of the highest priority is there.
+            priority: i32 = 0;
+        }
+        /// A coloured base under a Phong lobe.
+        "glossy" => Glossy {
+            /// Exponent of the lobe; larger is sharper.
+            exponent: f32 = 100.0, min(0.0), max(1e9);
+            /// The part of the light that the lobe reflects, per channel.
+            reflectance: Color = Color::grey(0.8), min(0.0), max(1.0);
+            /// The part of the light that the base reflects, per channel.
+            diffuse: Texture = Texture::grey(0.0), min(0.0), max(1.0);
+        }
+        /// A matt base under a smooth clear coat, such as glazed ceramic.
+        "glazed" => Glazed {
+            /// Index of refraction of the coat.
+            ior: f32 = 1.5, min(1.0), max(10.0);
+            /// The part of the light that the base reflects, per channel.
+            reflectance: Texture = Texture::grey(0.5), min(0.0), max(1.0);
+        }
+        /// A surface that shines and reflects nothing.
+        "emission" => Emission {
+            /// What it emits in every direction.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            /// Whether it shines on both sides, not only on that of its normals.
+            two_sided: bool = false;
+        }
+    }
+}
+
+tagged! {
+    /// How much a metal reflects at which angle.
+    pub enum Optics by key {
+        /// A metal whose optical constants are known by name.
+        "metal" => Metal {
+            /// Symbol of the element.
+            metal: Located<String>;
+        }
+        /// A complex index of refraction, per channel.
+        "eta" => Index {
+            /// Real part of the index of refraction.
+            eta: Color, above(0.0);
+            /// Imaginary part of the index of refraction.
+            k: Color, above(0.0);
+        }
+        /// Two colours, from which an index of refraction is derived.
+        "reflectance" => Artist {
+            /// Reflectance seen straight on.
+            reflectance: Color, min(0.0), max(1.0);
+            /// Tint towards grazing angles.
+            edge_tint: Color = Color::grey(1.0), min(0.0), max(1.0);
+        }
+    }
+}
+
+record! {
+    /// A surface, or a prototype of one.
+    pub struct Shape {
+        /// A name, unlike those of all other shapes.
+        name: Option<Located<String>>;
+        /// Name of its material; may be absent where the file of a mesh brings materials.
+        material: Option<Located<String>>;
+        /// Steps that carry the shape to its place, in the order written.
+        transform: Vec<Located<Step>> = vec![];
+        /// Whether it is not seen itself, but only through its instances.
+        hidden: bool = false;
+        ..form: Form, "What it is.";
+    }
+}
+
+tagged! {
+    /// The form of a surface.
+    pub enum Form by tag() checked by check::form {
+        /// Triangles from a file.
+        "mesh" => Mesh {
+            /// An OBJ file.
+            file: Located<PathBuf>, file(&["obj"]);
+            /// Where shading normals come from.
+            normals: Normals = Normals::File;
+        }
+        /// A sphere.
+        "sphere" => Sphere {
+            /// Centre.
+            center: Vec3 = Vec3::ZERO, unit("m");
+            /// Radius.
+            radius: f32 = 1.0, unit("m"), above(0.0);
+        }
+        /// A flat round disc.
+        "disc" => Disc {
+            /// Centre.
+            center: Vec3 = Vec3::ZERO, unit("m");
+            /// The side that is outside; any length.
+            normal: Vec3 = Vec3::Y, nonzero();
+            /// Radius.
+            radius: f32 = 1.0, unit("m"), above(0.0);
+        }
+        /// A flat parallelogram; its outside is that of `edge_u` x `edge_v`.
+        "rectangle" => Rectangle {
+            /// Centre.
+            center: Vec3 = Vec3::ZERO, unit("m");
+            /// From the centre to the middle of one side.
+            edge_u: Vec3, unit("m"), nonzero();
+            /// From the centre to the middle of the next side.
+            edge_v: Vec3, unit("m"), nonzero();
+        }
+        /// A box along the axes.
+        "box" => Box {
+            /// Its lowest corner.
+            min: Vec3, unit("m");
+            /// Its highest corner.
+            max: Vec3, unit("m");
+        }
+        /// Another shape once more, with a transform of its own after that shape's.
+        "instance" => Instance {
+            /// Name of the other shape.
+            of: Located<String>;
+        }
+    }
+}
+
+choice! {
+    /// Where shading normals come from.
+    pub enum Normals {
+        /// Those of the file; flat where it has none.
+        "file" => File,
+        /// Averaged over the triangles about each point.
+        "smooth" => Smooth,
+        /// Those of the triangles.
+        "flat" => Flat,
+    }
+}
+
+tagged! {
+    /// A step of a transform.
+    pub enum Step by key checked by check::step {
+        /// Scales about the origin.
+        "scale" => Scale {
+            /// A factor for all axes, or one for each; not zero.
+            scale: PerAxis;
+        }
+        /// Turns about an axis through the origin, counter-clockwise seen from its tip.
+        "rotate_deg" => Rotate {
+            /// The angle.
+            rotate_deg: f32, unit("degrees");
+            /// The axis; any length.
+            axis: Vec3, nonzero();
+        }
+        /// Moves.
+        "translate" => Translate {
+            /// By how much.
+            translate: Vec3, unit("m");
+        }
+        /// Applies an affine matrix to column vectors.
+        "matrix" => Matrix {
+            /// Four rows of four numbers, one row after the other; the last is 0, 0, 0, 1.
+            matrix: [f32; 16];
+        }
+        /// Scales and moves the shape so that it stands centred on the origin on the plane y = 0.
+        "fit" => Fit {
+            /// The longest edge that its bounding box shall have.
+            fit: f32, unit("m"), above(0.0);
+        }
+    }
+}
+
+tagged! {
+    /// A light.
+    pub enum Light by tag() checked by check::light {
+        /// A point that shines alike in all directions.
+        "point" => Point {
+            /// Where it is.
+            position: Vec3, unit("m");
+            /// Power per solid angle.
+            intensity: Color, unit("W/sr"), min(0.0);
+        }
+        /// A point that shines into a cone.
+        "spot" => Spot {
+            /// Where it is.
+            position: Vec3, unit("m");
+            /// The point it aims at.
+            at: Vec3, unit("m");
+            /// Power per solid angle in the middle of the cone.
+            intensity: Color, unit("W/sr"), min(0.0);
+            /// Angle between the axis and the rim of the cone.
+            angle_deg: f32 = 30.0, unit("degrees"), above(0.0), max(180.0);
+            /// The outer part of the angle over which the light fades to nothing.
+            softness: f32 = 0.1, min(0.0), max(1.0);
+        }
+        /// Parallel light from infinitely far away.
+        "directional" => Directional {
+            /// Where the light travels; any length.
+            direction: Vec3, nonzero();
+            /// Power per area on a surface that faces the light.
+            irradiance: Color, unit("W/m^2"), min(0.0);
+        }
+        /// A flat parallelogram that shines along `edge_u` x `edge_v`.
+        "rectangle" => Rectangle {
+            /// Centre.
+            center: Vec3, unit("m");
+            /// From the centre to the middle of one side.
+            edge_u: Vec3, unit("m"), nonzero();
+            /// From the centre to the middle of the next side.
+            edge_v: Vec3, unit("m"), nonzero();
+            /// What it emits in every direction of its bright side.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+        }
+        /// A flat round disc that shines along its normal.
+        "disc" => Disc {
+            /// Centre.
+            center: Vec3, unit("m");
+            /// The bright side; any length.
+            normal: Vec3, nonzero();
+            /// Radius.
+            radius: f32, unit("m"), above(0.0);
+            /// What it emits in every direction of its bright side.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+        }
+        /// A sphere that shines outwards.
+        "sphere" => Sphere {
+            /// Centre.
+            center: Vec3, unit("m");
+            /// Radius.
+            radius: f32, unit("m"), above(0.0);
+            /// What it emits in every direction.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+        }
+        /// Triangles from a file that shine on the side their normals point to.
+        "mesh" => Mesh {
+            /// An OBJ file.
+            file: Located<PathBuf>, file(&["obj"]);
+            /// What they emit in every direction of their bright side.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            /// Steps that carry the mesh to its place, in the order written.
+            transform: Vec<Located<Step>> = vec![];
+        }
+        /// Light from all around, infinitely far away.
+        "environment" => Environment {
+            /// A factor on all of it.
+            scale: f32 = 1.0, min(0.0);
+            /// Turns it about +Y, counter-clockwise seen from above.
+            rotate_deg: f32 = 0.0, unit("degrees");
+            ..sky: Sky, "What arrives from where.";
+        }
+    }
+}
+
+tagged! {
+    /// What an environment shows.
+    pub enum Sky by key {
+        /// A picture of all directions, longitude by latitude.
+        "file" => File {
+            /// An HDR or EXR file.
+            file: Located<PathBuf>, file(&["hdr", "exr"]);
+        }
+        /// The same from everywhere.
+        "radiance" => Constant {
+            /// What arrives.
+            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+        }
+    }
+}
