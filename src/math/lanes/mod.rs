@@ -1,8 +1,8 @@
 //! One source, any width: the SIMD vocabulary that all shading is written in.
 //!
 //! A kernel is generic over [`Lanes`] (values) or [`Isa`] (the token that makes values) and is compiled once per
-//! instruction set. One lane is plain `f32`; [`Portable`] is arrays of any width; AVX2 and AVX-512 are
-//! intrinsics, entered through a level, which is found once at start.
+//! instruction set. One lane is plain `f32`; [`Portable`] is arrays of any width; [`Avx2`] and [`Avx512`] are
+//! intrinsics, entered through [`Level`], which is found once at start.
 //!
 //! **A value is the proof.** A wide value can only be made from a token, a token only by run-time detection, so every
 //! operation on a value is a safe function.
@@ -15,20 +15,33 @@
 //!   but `f32::mul_add` is then a slow library call.
 //! * Floats on the left of an operator do not exist: write `-x + 1.0` for one minus x.
 
+#[macro_use]
+mod operators;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod compare;
 mod int;
 mod isa;
-#[macro_use]
-mod operators;
+mod level;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod reversal;
 mod scalar;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+#[cfg(target_arch = "x86_64")]
+pub use avx2::{Avx2, F32x8, Mask8, U32x8};
+#[cfg(target_arch = "x86_64")]
+pub use avx512::{Avx512, F32x16, Mask16, U32x16};
 pub use compare::{Compare, MaskLanes, Select};
 pub use int::{IntLanes, Wrapping};
 pub use isa::{Isa, Kernel};
+pub use level::{AnyKernel, Level, LevelError, VARIABLE};
 pub use portable::{Portable, PortableF32, PortableMask, PortableU32};
 pub use scalar::Scalar;
 

@@ -1,7 +1,8 @@
 //! Operator boilerplate of the wide types, from a few private methods each.
 //!
 //! The float type has `plus`, `minus`, `times`, `over`, `negated`; the integer type `plus`, `minus`, `times`, `and`,
-//! `or`, `xor`; both `is_lt`, `is_le`, `is_gt`, `is_ge`, `is_eq`, `is_ne`, `smaller`, `greater`.
+//! `or`, `xor`; both `is_lt`, `is_le`, `is_gt`, `is_ge`, `is_eq`, `is_ne`, `smaller`, `greater`. The float type has
+//! `at_most` and `at_least` besides, which limit by one number and need not look for NaN in every lane of it.
 
 /// Forwards one binary operator to a method, for a value and for one number on the right.
 macro_rules! binary_operator {
@@ -43,7 +44,7 @@ macro_rules! assigning_operator {
 
 /// Forwards the comparisons, for a value and for one number on the right.
 macro_rules! comparisons {
-    ([$($g:tt)*] $t:ty, $rhs:ty, |$self:ident, $x:ident| $convert:expr) => {
+    ([$($g:tt)*] $t:ty, $rhs:ty, |$self:ident, $x:ident| $convert:expr, $min:expr, $max:expr) => {
         impl<$($g)*> $crate::math::lanes::Compare<$rhs> for $t {
             #[inline(always)]
             fn lt($self, $x: $rhs) -> Self::Mask {
@@ -71,11 +72,11 @@ macro_rules! comparisons {
             }
             #[inline(always)]
             fn min($self, $x: $rhs) -> Self {
-                $self.smaller($convert)
+                $min
             }
             #[inline(always)]
             fn max($self, $x: $rhs) -> Self {
-                $self.greater($convert)
+                $max
             }
         }
     };
@@ -92,8 +93,9 @@ macro_rules! float_operators {
         assigning_operator!([$($g)*] $t, SubAssign::sub_assign => -);
         assigning_operator!([$($g)*] $t, MulAssign::mul_assign => *);
         assigning_operator!([$($g)*] $t, DivAssign::div_assign => /);
-        comparisons!([$($g)*] $t, $t, |self, x| x);
-        comparisons!([$($g)*] $t, f32, |self, x| $crate::math::lanes::Lanes::splat(self, x));
+        comparisons!([$($g)*] $t, $t, |self, x| x, self.smaller(x), self.greater(x));
+        comparisons!([$($g)*] $t, f32, |self, x| $crate::math::lanes::Lanes::splat(self, x),
+            self.at_most(x), self.at_least(x));
         impl<$($g)*> std::ops::Neg for $t {
             type Output = Self;
             #[inline(always)]
@@ -110,8 +112,10 @@ macro_rules! int_operators {
         binary_operator!([$($g)*] $t, u32, $crate::math::lanes::IntLanes::splat, BitAnd::bitand => and);
         binary_operator!([$($g)*] $t, u32, $crate::math::lanes::IntLanes::splat, BitOr::bitor => or);
         binary_operator!([$($g)*] $t, u32, $crate::math::lanes::IntLanes::splat, BitXor::bitxor => xor);
-        comparisons!([$($g)*] $t, $t, |self, x| x);
-        comparisons!([$($g)*] $t, u32, |self, x| $crate::math::lanes::IntLanes::splat(self, x));
+        comparisons!([$($g)*] $t, $t, |self, x| x, self.smaller(x), self.greater(x));
+        comparisons!([$($g)*] $t, u32, |self, x| $crate::math::lanes::IntLanes::splat(self, x),
+            self.smaller($crate::math::lanes::IntLanes::splat(self, x)),
+            self.greater($crate::math::lanes::IntLanes::splat(self, x)));
         impl<$($g)*> std::ops::Not for $t {
             type Output = Self;
             #[inline(always)]

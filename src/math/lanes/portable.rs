@@ -117,6 +117,14 @@ impl<const N: usize> PortableF32<N> {
         !self.is_eq(rhs)
     }
     #[inline(always)]
+    fn at_most(self, x: f32) -> Self {
+        Self(each!(0.0, |i| self.0[i].min(x)))
+    }
+    #[inline(always)]
+    fn at_least(self, x: f32) -> Self {
+        Self(each!(0.0, |i| self.0[i].max(x)))
+    }
+    #[inline(always)]
     fn negated(self) -> Self {
         Self(each!(0.0, |i| -self.0[i]))
     }
