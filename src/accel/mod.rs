@@ -5,6 +5,7 @@
 //! that a packet or a stream is faster. All kinds of query give the same answers but for ties on shared edges.
 
 pub mod brute;
+pub mod embree;
 pub mod packet;
 pub mod stream;
 

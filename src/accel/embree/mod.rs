@@ -1,0 +1,26 @@
+//! Embree 4 behind safe types.
+//!
+//! A [`Device`] makes everything else; a [`Geometry`] owns or shares the arrays that Embree keeps pointers to; a
+//! `Scene<Open>` takes geometries and becomes, by [`Scene::commit`], a `Scene<Committed>` that answers queries and
+//! cannot change. [`EmbreeAccel`] builds a committed scene from a [`crate::geometry::World`].
+//!
+//! What is assumed: the layouts asserted in `embree4-sys`, and what Embree's manual promises, quoted where it is
+//! relied on. Limits: one level of instancing, no motion and no user geometry; widths of packets other than 4, 8 and
+//! 16 fall to single rays. Rays that are not traceable are not filtered out, because Embree finds nothing along them
+//! (`tests/accel_agree.rs` tries them all); a ray that is not a number may however cost a walk through the whole
+//! hierarchy.
+
+#![expect(unsafe_code, reason = "Embree is a C library")]
+
+mod build;
+mod device;
+mod error;
+mod geometry;
+mod query;
+mod scene;
+
+pub use build::{BuildOptions, EmbreeAccel};
+pub use device::{Config, Device, Isa};
+pub use error::EmbreeError;
+pub use geometry::{Geometry, Vertices};
+pub use scene::{Committed, Open, Quality, Scene, SceneOptions};
