@@ -8,6 +8,7 @@
 //! names exist; whether those files can be read and whether a transform is invertible is found out later.
 
 use crate::error::Place;
+use crate::math::Rgb;
 use crate::scene::record::{choice, record, tagged};
 use glam::Vec3;
 use std::ops::Deref;
@@ -41,18 +42,6 @@ pub struct Named<T> {
     pub value: T,
 }
 
-/// Linear Rec. 709 red, green and blue; a single number in the file stands for all three.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Color(pub [f32; 3]);
-
-impl Color {
-    /// The same in all channels.
-    #[must_use]
-    pub const fn grey(value: f32) -> Self {
-        Self([value; 3])
-    }
-}
-
 /// One number per axis; a single number in the file stands for all three.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PerAxis(pub Vec3);
@@ -61,16 +50,16 @@ pub struct PerAxis(pub Vec3);
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
     /// The same everywhere.
-    Constant(Color),
+    Constant(Rgb<f32>),
     /// Two colours by turns.
     Checker(Checker),
 }
 
 impl Texture {
-    /// The same grey everywhere.
+    /// The same gray everywhere.
     #[must_use]
-    pub const fn grey(value: f32) -> Self {
-        Self::Constant(Color::grey(value))
+    pub const fn gray(value: f32) -> Self {
+        Self::Constant(Rgb::gray(value))
     }
 }
 
@@ -78,7 +67,7 @@ record! {
     /// A chequered pattern over surface parameters.
     pub struct Checker {
         /// The two colours; the first one starts at the origin of the surface parameters.
-        checker: [Color; 2], min(0.0);
+        checker: [Rgb<f32>; 2], min(0.0), max(1.0);
         /// How many fields there are along u and along v between 0 and 1.
         repeat: [f32; 2] = [2.0, 2.0], above(0.0);
     }
@@ -250,12 +239,12 @@ tagged! {
         /// A matt surface.
         "diffuse" => Diffuse {
             /// The part of the light that is reflected, per channel.
-            reflectance: Texture = Texture::grey(0.5), min(0.0), max(1.0);
+            reflectance: Texture = Texture::gray(0.5), min(0.0), max(1.0);
         }
         /// An ideal mirror, the same at all angles.
         "mirror" => Mirror {
             /// The part of the light that is reflected, per channel.
-            reflectance: Color = Color::grey(1.0), min(0.0), max(1.0);
+            reflectance: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1.0);
         }
         /// A metal.
         "conductor" => Conductor {
@@ -268,7 +257,7 @@ tagged! {
             /// Index of refraction against that of air; 1 is invisible.
             ior: f32 = 1.5, min(1.0), max(10.0);
             /// What is absorbed on the way through, per channel: light falls to 1/e over 1/absorption metres.
-            absorption: Color = Color::grey(0.0), unit("1/m"), min(0.0);
+            absorption: Rgb<f32> = Rgb::gray(0.0), unit("1/m"), min(0.0);
             /// Where bodies overlap, the one of the highest priority is there.
             priority: i32 = 0;
         }
@@ -277,21 +266,21 @@ tagged! {
             /// Exponent of the lobe; larger is sharper.
             exponent: f32 = 100.0, min(0.0), max(1e9);
             /// The part of the light that the lobe reflects, per channel.
-            reflectance: Color = Color::grey(0.8), min(0.0), max(1.0);
+            reflectance: Rgb<f32> = Rgb::gray(0.8), min(0.0), max(1.0);
             /// The part of the light that the base reflects, per channel.
-            diffuse: Texture = Texture::grey(0.0), min(0.0), max(1.0);
+            diffuse: Texture = Texture::gray(0.0), min(0.0), max(1.0);
         }
         /// A matt base under a smooth clear coat, such as glazed ceramic.
         "glazed" => Glazed {
             /// Index of refraction of the coat.
             ior: f32 = 1.5, min(1.0), max(10.0);
             /// The part of the light that the base reflects, per channel.
-            reflectance: Texture = Texture::grey(0.5), min(0.0), max(1.0);
+            reflectance: Texture = Texture::gray(0.5), min(0.0), max(1.0);
         }
         /// A surface that shines and reflects nothing.
         "emission" => Emission {
             /// What it emits in every direction.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
             /// Whether it shines on both sides, not only on that of its normals.
             two_sided: bool = false;
         }
@@ -309,16 +298,16 @@ tagged! {
         /// A complex index of refraction, per channel.
         "eta" => Index {
             /// Real part of the index of refraction.
-            eta: Color, above(0.0);
+            eta: Rgb<f32>, above(0.0);
             /// Imaginary part of the index of refraction.
-            k: Color, above(0.0);
+            k: Rgb<f32>, above(0.0);
         }
         /// Two colours, from which an index of refraction is derived.
         "reflectance" => Artist {
             /// Reflectance seen straight on.
-            reflectance: Color, min(0.0), max(1.0);
+            reflectance: Rgb<f32>, min(0.0), max(1.0);
             /// Tint towards grazing angles.
-            edge_tint: Color = Color::grey(1.0), min(0.0), max(1.0);
+            edge_tint: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1.0);
         }
     }
 }
@@ -441,7 +430,7 @@ tagged! {
             /// Where it is.
             position: Vec3, unit("m");
             /// Power per solid angle.
-            intensity: Color, unit("W/sr"), min(0.0);
+            intensity: Rgb<f32>, unit("W/sr"), min(0.0);
         }
         /// A point that shines into a cone.
         "spot" => Spot {
@@ -450,7 +439,7 @@ tagged! {
             /// The point it aims at.
             at: Vec3, unit("m");
             /// Power per solid angle in the middle of the cone.
-            intensity: Color, unit("W/sr"), min(0.0);
+            intensity: Rgb<f32>, unit("W/sr"), min(0.0);
             /// Angle between the axis and the rim of the cone.
             angle_deg: f32 = 30.0, unit("degrees"), above(0.0), max(180.0);
             /// The outer part of the angle over which the light fades to nothing.
@@ -461,7 +450,7 @@ tagged! {
             /// Where the light travels; any length.
             direction: Vec3, nonzero();
             /// Power per area on a surface that faces the light.
-            irradiance: Color, unit("W/m^2"), min(0.0);
+            irradiance: Rgb<f32>, unit("W/m^2"), min(0.0);
         }
         /// A flat parallelogram that shines along `edge_u` x `edge_v`.
         "rectangle" => Rectangle {
@@ -472,7 +461,7 @@ tagged! {
             /// From the centre to the middle of the next side.
             edge_v: Vec3, unit("m"), nonzero();
             /// What it emits in every direction of its bright side.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
         }
         /// A flat round disc that shines along its normal.
         "disc" => Disc {
@@ -483,7 +472,7 @@ tagged! {
             /// Radius.
             radius: f32, unit("m"), above(0.0);
             /// What it emits in every direction of its bright side.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
         }
         /// A sphere that shines outwards.
         "sphere" => Sphere {
@@ -492,14 +481,14 @@ tagged! {
             /// Radius.
             radius: f32, unit("m"), above(0.0);
             /// What it emits in every direction.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
         }
         /// Triangles from a file that shine on the side their normals point to.
         "mesh" => Mesh {
             /// An OBJ file.
             file: Located<PathBuf>, file(&["obj"]);
             /// What they emit in every direction of their bright side.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
             /// Steps that carry the mesh to its place, in the order written.
             transform: Vec<Located<Step>> = vec![];
         }
@@ -525,7 +514,7 @@ tagged! {
         /// The same from everywhere.
         "radiance" => Constant {
             /// What arrives.
-            radiance: Color, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
         }
     }
 }
