@@ -1,1 +1,96 @@
 //! Pixels, colour, and the files that hold them.
+//!
+//! Colour is linear Rec.709 everywhere except in the bytes of a PNG. Rows run from the top, pixels from the left.
+//! Files that come in are not trusted: what they claim is checked before memory is asked for, and no NaN passes.
+
+pub mod atomic;
+mod buffer;
+pub mod exr;
+mod hdr;
+pub mod png;
+pub mod tone;
+
+use std::path::Path;
+
+pub use buffer::{Image, Window};
+
+use crate::error::{Place, Problem, Result};
+
+/// What kind of file a picture is written to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Scene-linear OpenEXR with any channels.
+    Exr,
+    /// An 8-bit sRGB preview.
+    Png,
+}
+
+impl Format {
+    /// The format that the extension of `path` names; a [`Problem`] for any but the two there are.
+    pub fn of(path: &Path) -> Result<Self> {
+        match extension(path).as_str() {
+            "exr" => Ok(Self::Exr),
+            "png" => Ok(Self::Png),
+            "" => Err(Problem::new(format!("`{}` has no extension to choose a format by", path.display()))
+                .remedy("end the name in .exr or .png")
+                .into()),
+            other => {
+                Err(Problem::new(format!("cannot write `{}`: unknown format `.{other}`", path.display()))
+                    .remedy("end the name in .exr or .png")
+                    .into())
+            }
+        }
+    }
+}
+
+/// A colour picture read from a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decoded {
+    /// Linear colour, all of it finite.
+    pub image: Image,
+    /// Coverage in [0, 1] by row, where the file has it.
+    pub alpha: Option<Vec<f32>>,
+    /// Where `image` lies in the whole picture: all of it, unless the file holds a crop.
+    pub window: Window,
+    /// Width and height of the whole picture.
+    pub full: [u32; 2],
+    /// What was odd about the file, and what was made of it.
+    pub warnings: Vec<Problem>,
+}
+
+/// The colour picture in an `.exr` or `.hdr` file.
+pub fn read(path: &Path) -> Result<Decoded> {
+    match extension(path).as_str() {
+        "exr" => exr::read(path)?.into_decoded(path),
+        "hdr" => hdr::read(path),
+        _ => Err(Problem::at(Place::file(path), "not a picture that can be read")
+            .remedy("use an .exr or .hdr file")
+            .into()),
+    }
+}
+
+/// The extension of a file name in lower case, empty where there is none.
+fn extension(path: &Path) -> String {
+    path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extensions_choose_formats_in_any_case() {
+        assert_eq!(Format::of(Path::new("a.EXR")).ok(), Some(Format::Exr), "upper case");
+        assert_eq!(Format::of(Path::new("dir.exr/a.png")).ok(), Some(Format::Png), "the last extension");
+    }
+
+    #[test]
+    fn other_extensions_are_refused_with_both_names() {
+        for name in ["a.jpg", "a", ".exr", "a.exr.gz"] {
+            let message = Format::of(Path::new(name)).expect_err(name).to_string();
+            assert!(message.contains(".exr or .png") && message.contains(name), "{message}");
+        }
+        let message = read(Path::new("a.jpg")).expect_err("not there").to_string();
+        assert!(message.contains(".exr or .hdr"), "{message}");
+    }
+}

@@ -1,0 +1,175 @@
+//! Reading.
+
+use std::fs::File;
+use std::io::{BufReader, Cursor, Read as _};
+use std::path::Path;
+
+use exr::image::read::read as reader;
+use exr::image::{AnyChannels, FlatSamples, Layer};
+use exr::meta::MetaData;
+use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
+use exr::meta::header::Header;
+use exr::prelude::{ReadChannels as _, ReadLayers as _};
+
+use super::{Channel, Picture, Samples};
+use crate::error::{Error, Place, Problem, Result};
+use crate::image::Window;
+use crate::image::buffer::check_size;
+
+/// Most bytes that the samples of a file may take: enough for the largest picture with four float channels.
+const MAX_BYTES: u64 = 1 << 32;
+
+/// No compression of the format packs tighter than this (deflate stays below 1032:1), so a file of a few bytes that
+/// claims gigabytes is refused before they are allocated.
+const MAX_RATIO: u64 = 4096;
+
+/// All flat parts of an EXR file that share the first part's window.
+pub fn read(path: &Path) -> Result<Picture> {
+    let bytes = contents(path)?;
+    check(path, &headers(path, &bytes)?, bytes.len() as u64)?;
+    let file = reader()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(Cursor::new(&bytes))
+        .map_err(|e| refused(path, &e))?;
+    let mut warnings = Vec::new();
+    let mut layers = file.layer_data.into_iter();
+    let Some(first) = layers.next() else {
+        return Err(Problem::at(Place::file(path), "there is no picture in it").into());
+    };
+    let (full, window) = place(first.absolute_bounds(), file.attributes.display_window);
+    let mut attributes = texts(&first);
+    attributes.sort();
+    let bounds = first.absolute_bounds();
+    let mut channels = named(first, false);
+    for layer in layers {
+        if layer.absolute_bounds() == bounds {
+            channels.extend(named(layer, true));
+        } else {
+            let name = layer.attributes.layer_name.map(|n| n.to_string()).unwrap_or_default();
+            let what = format!("part `{name}` has another window than the first and was left out");
+            warnings.push(Problem::at(Place::file(path), what));
+        }
+    }
+    Ok(Picture { full, window, channels, attributes, warnings })
+}
+
+/// What a file says of one channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChannelInfo {
+    /// The part it is in, where parts have names.
+    pub part: Option<String>,
+    /// The name as stored.
+    pub name: String,
+    /// Bits of each sample.
+    pub bits: u8,
+    /// Floating point, not integer.
+    pub is_float: bool,
+}
+
+/// The channels of an EXR file, read from its header alone.
+pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
+    let headers = headers(path, &contents(path)?)?;
+    let infos = headers.iter().flat_map(|header| {
+        header.channels.list.iter().map(|channel| ChannelInfo {
+            part: header.own_attributes.layer_name.as_ref().map(ToString::to_string),
+            name: channel.name.to_string(),
+            bits: if channel.sample_type == SampleType::F16 { 16 } else { 32 },
+            is_float: channel.sample_type != SampleType::U32,
+        })
+    });
+    Ok(infos.collect())
+}
+
+fn contents(path: &Path) -> Result<Vec<u8>> {
+    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let mut bytes = Vec::new();
+    BufReader::new(File::open(path).map_err(io)?).read_to_end(&mut bytes).map_err(io)?;
+    Ok(bytes)
+}
+
+fn headers(path: &Path, bytes: &[u8]) -> Result<Vec<Header>> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| refused(path, &e))?;
+    Ok(meta.headers.into_vec())
+}
+
+/// Refuses what cannot be read, and what claims more than its bytes can hold.
+fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<()> {
+    let refuse = |what: &str, remedy: &str| Err(Problem::at(Place::file(path), what).remedy(remedy).into());
+    let mut claimed = 0_u64;
+    for header in headers {
+        if header.deep {
+            return refuse("a deep picture", "flatten it first");
+        }
+        let channels = &header.channels.list;
+        if channels.iter().any(|channel| channel.sampling.0 != 1 || channel.sampling.1 != 1) {
+            return refuse("a picture with subsampled channels", "write it as R, G and B");
+        }
+        let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
+        check_size(path, width, height)?;
+        let pixel: u64 = channels.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
+        claimed = claimed.saturating_add((width * height).saturating_mul(pixel));
+    }
+    if claimed > MAX_BYTES {
+        return refuse("its samples take more than 4 GiB", "write fewer channels or pixels");
+    }
+    if claimed / MAX_RATIO > file_bytes {
+        return refuse("its header claims more pixels than its bytes can hold", "write it again");
+    }
+    Ok(())
+}
+
+/// Whole size and window of a data window in a display window. Data beyond the display window enlarge the whole; where
+/// it starts elsewhere than at the origin everything moves along.
+fn place(data: IntegerBounds, display: IntegerBounds) -> ([u32; 2], Window) {
+    let axis = |data_start: i32, data_size: usize, display_start: i32, display_size: usize| {
+        let origin = i64::from(data_start.min(display_start));
+        let start = u32::try_from(i64::from(data_start) - origin).unwrap_or(u32::MAX);
+        let end = start.saturating_add(u32::try_from(data_size).unwrap_or(u32::MAX));
+        let display_end = i64::from(display_start) - origin + i64::try_from(display_size).unwrap_or(0);
+        (start, end, end.max(u32::try_from(display_end).unwrap_or(u32::MAX)))
+    };
+    let (x0, x1, width) = axis(data.position.0, data.size.0, display.position.0, display.size.0);
+    let (y0, y1, height) = axis(data.position.1, data.size.1, display.position.1, display.size.1);
+    ([width, height], Window { x0, y0, x1, y1 })
+}
+
+/// The channels of a part, with the part's name before theirs where `prefixed` and it has one.
+fn named(layer: Layer<AnyChannels<FlatSamples>>, prefixed: bool) -> Vec<Channel> {
+    let part = layer.attributes.layer_name.filter(|_| prefixed).map(|name| name.to_string());
+    let channels = layer.channel_data.list.into_iter().map(|channel| {
+        let own = channel.name.to_string();
+        let name = match &part {
+            Some(part) if !own.starts_with(part.as_str()) => format!("{part}.{own}"),
+            _ => own,
+        };
+        let samples = match channel.sample_data {
+            FlatSamples::F16(values) => Samples::Half(values.into_iter().map(|x| x.to_f32()).collect()),
+            FlatSamples::F32(values) => Samples::Float(values),
+            FlatSamples::U32(values) => Samples::Uint(values),
+        };
+        Channel { name, samples }
+    });
+    channels.collect()
+}
+
+/// The metadata of a part that are text.
+fn texts(layer: &Layer<AnyChannels<FlatSamples>>) -> Vec<(String, String)> {
+    let utf8 = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    let entries = layer.attributes.other.iter().filter_map(|(key, value)| match value {
+        AttributeValue::Text(value) => Some((utf8(key.bytes()), utf8(value.bytes()))),
+        _ => None,
+    });
+    entries.collect()
+}
+
+fn refused(path: &Path, error: &exr::error::Error) -> Error {
+    let remedy = match error {
+        exr::error::Error::NotSupported(_) => "convert it to plain scan lines with ZIP compression",
+        _ => "write it again; it may be cut short",
+    };
+    Problem::at(Place::file(path), format!("not a sound EXR file: {error}")).remedy(remedy).into()
+}
