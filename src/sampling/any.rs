@@ -1,0 +1,78 @@
+//! Samplers chosen at run time, without virtual calls.
+
+use super::{Dim, Independent, OwenSobol, Sampler, Vertex};
+use crate::math::lanes::IntLanes;
+
+/// A kind of number set, as a user chooses it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SamplerKind {
+    /// [`Independent`].
+    Independent,
+    /// [`OwenSobol`].
+    #[default]
+    OwenSobol,
+    /// [`OwenSobol`] shared by 2 x 2 pixels; see [`OwenSobol::start_in_block`].
+    OwenSobolBlocks {
+        /// The samples per pixel that make a set, as a power of two.
+        log2_spp: u32,
+    },
+}
+
+impl SamplerKind {
+    /// The numbers of sample `index` of a pixel.
+    #[inline(always)]
+    pub fn start<I: IntLanes>(self, seed: u32, pixel: [I; 2], index: I) -> AnySampler<I> {
+        match self {
+            Self::Independent => AnySampler::Independent(Independent::start(seed, pixel, index)),
+            Self::OwenSobol => AnySampler::OwenSobol(OwenSobol::start(seed, pixel, index)),
+            Self::OwenSobolBlocks { log2_spp } => {
+                AnySampler::OwenSobol(OwenSobol::start_in_block(seed, pixel, index, log2_spp))
+            }
+        }
+    }
+}
+
+/// A sampler of any kind. The kind is the same for all lanes: asking costs one branch that is always predicted.
+#[derive(Clone, Copy, Debug)]
+pub enum AnySampler<I> {
+    /// Independent random numbers.
+    Independent(Independent<I>),
+    /// Owen-scrambled Sobol pairs.
+    OwenSobol(OwenSobol<I>),
+}
+
+impl<I: IntLanes> Sampler for AnySampler<I> {
+    type I = I;
+
+    #[inline(always)]
+    fn get_1d(&self, dim: Dim, vertex: Vertex) -> I::F {
+        match self {
+            Self::Independent(s) => s.get_1d(dim, vertex),
+            Self::OwenSobol(s) => s.get_1d(dim, vertex),
+        }
+    }
+
+    #[inline(always)]
+    fn get_2d(&self, dim: Dim, vertex: Vertex) -> [I::F; 2] {
+        match self {
+            Self::Independent(s) => s.get_2d(dim, vertex),
+            Self::OwenSobol(s) => s.get_2d(dim, vertex),
+        }
+    }
+
+    #[inline(always)]
+    fn split(self, j: u32, k: u32) -> Self {
+        match self {
+            Self::Independent(s) => Self::Independent(s.split(j, k)),
+            Self::OwenSobol(s) => Self::OwenSobol(s.split(j, k)),
+        }
+    }
+
+    #[inline(always)]
+    fn at_vertices(self, vertices: I) -> Self {
+        match self {
+            Self::Independent(s) => Self::Independent(s.at_vertices(vertices)),
+            Self::OwenSobol(s) => Self::OwenSobol(s.at_vertices(vertices)),
+        }
+    }
+}
