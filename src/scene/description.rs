@@ -9,6 +9,7 @@
 
 use crate::error::Place;
 use crate::math::Rgb;
+use crate::scene::load::check;
 use crate::scene::record::{choice, record, tagged};
 use glam::Vec3;
 use std::ops::Deref;
@@ -76,6 +77,9 @@ record! {
 record! {
     /// A scene.
     pub struct Description {
+        /// Other scene files, whose tables come first; `camera`, `film` and `render` of this file override theirs key by
+        /// key, shapes and lights are added to theirs.
+        include: Vec<Located<PathBuf>>, file(&["toml"]);
         /// From where and how the scene is seen.
         camera: Located<Camera>;
         /// The picture and how samples become pixels.
@@ -93,7 +97,7 @@ record! {
 
 tagged! {
     /// From where and how the scene is seen.
-    pub enum Camera by tag("perspective") checked by check::camera {
+    pub enum Camera by tag_or("perspective") checked by check::camera {
         /// A pinhole.
         "perspective" => Perspective {
             /// Where the camera stands.
@@ -289,7 +293,7 @@ tagged! {
 
 tagged! {
     /// How much a metal reflects at which angle.
-    pub enum Optics by key {
+    pub enum Optics by key() {
         /// A metal whose optical constants are known by name.
         "metal" => Metal {
             /// Symbol of the element.
@@ -391,7 +395,7 @@ choice! {
 
 tagged! {
     /// A step of a transform.
-    pub enum Step by key checked by check::step {
+    pub enum Step by key() checked by check::step {
         /// Scales about the origin.
         "scale" => Scale {
             /// A factor for all axes, or one for each; not zero.
@@ -505,7 +509,7 @@ tagged! {
 
 tagged! {
     /// What an environment shows.
-    pub enum Sky by key {
+    pub enum Sky by key() {
         /// A picture of all directions, longitude by latitude.
         "file" => File {
             /// An HDR or EXR file.

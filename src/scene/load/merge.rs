@@ -1,0 +1,161 @@
+//! From files that include each other to one tree.
+
+use crate::scene::description::Located;
+use crate::scene::load::node::{Content, Entry, Node};
+use crate::scene::load::report::Report;
+use crate::scene::load::source::{Source, Spot};
+use crate::scene::load::{files, words};
+use crate::scene::record::{Rules, Value};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// How deep files may include each other: more is an accident, and bounds the recursion.
+const MAX_DEPTH: usize = 32;
+
+/// Reads files, each once.
+#[derive(Debug, Default)]
+pub(crate) struct Reader {
+    /// Files that are being read, outermost first, with where their includes stand.
+    open: Vec<(PathBuf, Option<Spot>)>,
+    /// Files that were read.
+    done: Vec<PathBuf>,
+    /// Whether any file could not be read, so that references may point to what is missing.
+    pub(crate) incomplete: bool,
+}
+
+impl Reader {
+    /// The tree of a file and of what it includes; `None` with the problems reported where nothing could be read.
+    /// `from` is where it is included.
+    pub(crate) fn read(&mut self, path: &Path, from: Option<&Spot>, report: &mut Report) -> Option<Node> {
+        // The same file by another name is the same file; what cannot be found is reported by reading it.
+        let identity = path.canonicalize().unwrap_or_else(|_| path.into());
+        if self.open.iter().any(|(open, _)| *open == identity) {
+            self.report_cycle(&identity, path, from, report);
+            return None;
+        }
+        if self.done.contains(&identity) {
+            return None;
+        }
+        self.done.push(identity.clone());
+        let order = self.done.len();
+        let read = match std::fs::read(path) {
+            Ok(bytes) => parse(path, bytes, order, report),
+            Err(error) => {
+                let spot = from.cloned().unwrap_or_else(|| whole(path));
+                match files::fault(path, &[]) {
+                    Some((what, remedy)) => report.error(&spot, what, remedy),
+                    None => {
+                        let what = format!("cannot read `{}`: {error}", path.display());
+                        report.error_without_remedy(&spot, what);
+                    }
+                }
+                None
+            }
+        };
+        let Some(own) = read else {
+            self.incomplete = true;
+            return None;
+        };
+        self.open.push((identity, from.cloned()));
+        let tree = self.read_includes(own, report);
+        self.open.pop();
+        Some(tree)
+    }
+
+    /// The tree of `own` on top of those it includes.
+    fn read_includes(&mut self, own: Node, report: &mut Report) -> Node {
+        let mut base = Node::empty_table(own.spot.clone());
+        let items = own.get("include").and_then(Node::items).unwrap_or(&[]);
+        for item in items {
+            // What is wrong with the item itself is reported when the whole tree is decoded.
+            let rules = Rules::default().file(&["toml"]);
+            let Some(file) = Located::<PathBuf>::decode(item, "include", &rules, &mut Report::default())
+            else {
+                self.incomplete = true;
+                continue;
+            };
+            if self.open.len() >= MAX_DEPTH {
+                let what = format!("files include each other more than {MAX_DEPTH} deep");
+                report.error(&item.spot, what, "include files directly");
+                self.incomplete = true;
+                continue;
+            }
+            if let Some(included) = self.read(&file.value, Some(&item.spot), report) {
+                merge(&mut base, included, report);
+            }
+        }
+        merge(&mut base, own, report);
+        base
+    }
+
+    fn report_cycle(&mut self, identity: &Path, path: &Path, from: Option<&Spot>, report: &mut Report) {
+        self.incomplete = true;
+        let Some(from) = from else { return };
+        let start = self.open.iter().position(|(open, _)| open == identity).unwrap_or(0);
+        let steps = self.open[start + 1..].iter().filter_map(|(_, spot)| spot.as_ref());
+        let steps: Vec<String> = steps.chain([from]).map(|spot| spot.place().to_string()).collect();
+        let what = format!("`{}` includes itself, by {}", path.display(), words::join(&steps, "and"));
+        report.error(from, what, "remove one of these includes");
+    }
+}
+
+/// A spot that names a file as a whole.
+fn whole(path: &Path) -> Spot {
+    Spot { source: Source::unread(path).into(), offset: 0 }
+}
+
+fn parse(path: &Path, bytes: Vec<u8>, order: usize, report: &mut Report) -> Option<Node> {
+    let text = match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => {
+            let offset = error.utf8_error().valid_up_to();
+            let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
+            let spot = Spot { source: Source::file(path, text, order).into(), offset };
+            report.error(&spot, "the file is not UTF-8 from here on", "save it as UTF-8");
+            return None;
+        }
+    };
+    let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
+    Node::parse(&Arc::new(Source::file(path, text, order)), report)
+}
+
+/// Puts `over` on top of `base`, both being tables of a whole file.
+fn merge(base: &mut Node, over: Node, report: &mut Report) {
+    let Content::Table(over) = over.content else { return };
+    let Content::Table(entries) = &mut base.content else { return };
+    for entry in over {
+        let Some(under) = entries.iter_mut().find(|under| under.key == entry.key) else {
+            entries.push(entry);
+            continue;
+        };
+        match (&mut under.node.content, entry.node.content) {
+            (Content::Array(under), Content::Array(over)) => under.extend(over),
+            (Content::Table(under), Content::Table(over)) if entry.key == "materials" => {
+                add_names(under, over, report);
+            }
+            (Content::Table(under), Content::Table(over)) => replace_keys(under, over),
+            (_, content) => under.node = Node { content, ..entry.node },
+        }
+    }
+}
+
+fn replace_keys(under: &mut Vec<Entry>, over: Vec<Entry>) {
+    for entry in over {
+        match under.iter_mut().find(|under| under.key == entry.key) {
+            Some(under) => *under = entry,
+            None => under.push(entry),
+        }
+    }
+}
+
+fn add_names(under: &mut Vec<Entry>, over: Vec<Entry>, report: &mut Report) {
+    for entry in over {
+        match under.iter().find(|under| under.key == entry.key) {
+            Some(first) => {
+                let what = format!("material `{}` is defined already at {}", entry.key, first.spot.place());
+                report.error(&entry.spot, what, "give one of them another name");
+            }
+            None => under.push(entry),
+        }
+    }
+}

@@ -1,0 +1,97 @@
+//! From files to a [`Description`].
+//!
+//! A scene file is parsed to a tree that knows where everything stands ([`node`]), files that it includes are merged
+//! into it ([`merge`]), overrides of the command line are applied ([`overrides`]), then the tree is decoded by the
+//! declarations of [`crate::scene::description`] ([`decode`], [`value`], [`check`]) and its names are resolved
+//! ([`references`]). Whatever is wrong is collected ([`report`]) and told at once.
+//!
+//! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
+//! for being there, not opened; [`obj`] reads meshes.
+
+pub(crate) mod check;
+pub(crate) mod decode;
+mod files;
+mod merge;
+pub(crate) mod node;
+mod overrides;
+mod references;
+pub(crate) mod report;
+mod source;
+pub(crate) mod value;
+mod words;
+
+use crate::error::{Problem, Result};
+use crate::scene::description::{Description, Form, Integrator, Light, Material};
+use crate::scene::record::{Rules, Value};
+use merge::Reader;
+use report::Report;
+use std::path::Path;
+
+/// A scene as its files say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Loaded {
+    /// What they say.
+    pub description: Description,
+    /// What is allowed but hardly meant.
+    pub warnings: Vec<Problem>,
+}
+
+/// The description in the scene file at `path`, with values replaced by `overrides` of the form `key=value`, the key
+/// being a dotted path.
+///
+/// Fails with everything wrong with the files and the overrides, each with its place and a remedy.
+pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
+    let mut report = Report::default();
+    let mut reader = Reader::default();
+    let Some(mut tree) = reader.read(path, None, &mut report) else {
+        return report.into_result(None);
+    };
+    for (index, text) in overrides.iter().enumerate() {
+        overrides::apply(&mut tree, text, index, &mut report);
+    }
+    let description = Description::decode(&tree, "scene", &Rules::default(), &mut report);
+    if !reader.incomplete {
+        references::check(&tree, &mut report);
+    }
+    let description = report.into_result(description)?;
+    let warnings = warnings(&description);
+    Ok(Loaded { description, warnings })
+}
+
+/// What is allowed but hardly meant.
+fn warnings(description: &Description) -> Vec<Problem> {
+    let mut warnings = Vec::new();
+    let Description { shapes, lights, materials, .. } = description;
+    let is_view = description.render.integrator == Integrator::View;
+    let sky = lights.iter().any(|light| matches!(light.value, Light::Environment { .. }));
+    if shapes.is_empty() && (is_view || !sky) {
+        warnings
+            .push(Problem::new("there is no shape: the picture will be empty").remedy("add `[[shapes]]`"));
+    }
+    let emission = materials.iter().any(|material| matches!(material.value, Material::Emission { .. }));
+    let own_materials =
+        shapes.iter().any(|shape| shape.material.is_none() && matches!(shape.form, Form::Mesh { .. }));
+    if !is_view && lights.is_empty() && !emission && !own_materials {
+        warnings
+            .push(Problem::new("there is no light: the picture will be black").remedy("add `[[lights]]`"));
+    }
+    warnings.extend(idle_prototypes(description));
+    warnings
+}
+
+/// Hidden shapes that nothing shows.
+fn idle_prototypes(description: &Description) -> impl Iterator<Item = Problem> {
+    let shown: Vec<&str> = description
+        .shapes
+        .iter()
+        .filter_map(|shape| if let Form::Instance { of } = &shape.form { Some(of.as_str()) } else { None })
+        .collect();
+    description.shapes.iter().filter(|shape| shape.hidden).filter_map(move |shape| {
+        let name = shape.name.as_ref().map(|name| name.as_str());
+        if name.is_some_and(|name| shown.contains(&name)) {
+            return None;
+        }
+        let problem = Problem::at(shape.place.clone(), "this shape is hidden and has no instance");
+        Some(problem.remedy("add an instance of it, or remove `hidden`"))
+    })
+}

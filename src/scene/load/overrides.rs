@@ -1,0 +1,117 @@
+//! Values set on the command line by dotted path.
+//!
+//! `render.spp=4`, `materials.glass.ior=1.6`, `shapes.model.file=my.obj`, `shapes.0.transform=[{scale=2}]`: a path leads
+//! through tables by key and through arrays by index or by `name`; what is missing on the way is created, except items
+//! of arrays. Keys with dots are quoted as in TOML. The value is read as TOML, else taken as a string.
+
+use crate::scene::load::node::{Content, Entry, Node};
+use crate::scene::load::report::Report;
+use crate::scene::load::source::{Source, Spot};
+use crate::scene::load::words;
+use std::sync::Arc;
+
+/// Applies one override to the tree; what is wrong with it is reported.
+pub(crate) fn apply(tree: &mut Node, text: &str, index: usize, report: &mut Report) {
+    let source = Arc::new(Source::command_line(text, index));
+    let spot = Spot { source: source.clone(), offset: 0 };
+    let Some((path, value)) = split(text) else {
+        report.error(&spot, "this is no override", "write key=value, the key as a dotted path");
+        return;
+    };
+    if path.iter().any(String::is_empty) {
+        report.error(&spot, "the path has an empty part", "write key=value, the key as a dotted path");
+        return;
+    }
+    if path[0] == "include" {
+        report.error(&spot, "`include` cannot be overridden", "name another scene file");
+        return;
+    }
+    let value = Node::parse_value(value.trim(), &source);
+    if let Err((what, remedy)) = set(tree, &path, value, &spot) {
+        report.error(&spot, what, remedy);
+    }
+}
+
+/// The parts of the path, and the value; `None` without an equals sign or with an open quote.
+fn split(text: &str) -> Option<(Vec<String>, &str)> {
+    let mut parts = vec![String::new()];
+    let mut quote = None;
+    for (i, c) in text.char_indices() {
+        match (quote, c) {
+            (Some(open), _) if c == open => quote = None,
+            (None, '"' | '\'') => quote = Some(c),
+            (None, '=') => {
+                let parts = parts.iter().map(|part| part.trim().to_owned()).collect();
+                return Some((parts, &text[i + 1..]));
+            }
+            (None, '.') => parts.push(String::new()),
+            _ => parts.last_mut()?.push(c),
+        }
+    }
+    None
+}
+
+type Fault = (String, String);
+
+fn set(node: &mut Node, path: &[String], value: Node, spot: &Spot) -> Result<(), Fault> {
+    let [key, rest @ ..] = path else {
+        *node = value;
+        return Ok(());
+    };
+    match &mut node.content {
+        Content::Table(entries) => {
+            let i = entries.iter().position(|entry| entry.key == *key).unwrap_or_else(|| {
+                let node = absent(key, spot);
+                entries.push(Entry { key: key.clone(), spot: spot.clone(), node });
+                entries.len() - 1
+            });
+            set(&mut entries[i].node, rest, value, spot)
+        }
+        Content::Array(items) => set(item(items, key)?, rest, value, spot),
+        _ => Err((
+            format!("`{key}` leads into {}", node.kind()),
+            "only tables and arrays have something inside".into(),
+        )),
+    }
+}
+
+/// What stands for a key that is missing: an array under the two keys that hold arrays, else a table.
+fn absent(key: &str, spot: &Spot) -> Node {
+    let content =
+        if ["shapes", "lights"].contains(&key) { Content::Array(vec![]) } else { Content::Table(vec![]) };
+    Node { spot: spot.clone(), content }
+}
+
+fn item<'a>(items: &'a mut [Node], key: &str) -> Result<&'a mut Node, Fault> {
+    let count = items.len();
+    if let Ok(i) = key.parse::<usize>() {
+        let fault = (format!("there is no entry {i}"), format!("there are {count}, counted from 0"));
+        return items.get_mut(i).ok_or(fault);
+    }
+    let name = |node: &Node| node.get("name").and_then(Node::text).map(String::from);
+    if let Some(i) = items.iter().position(|item| name(item).as_deref() == Some(key)) {
+        return Ok(&mut items[i]);
+    }
+    let names: Vec<String> = items.iter().filter_map(name).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let remedy = if names.is_empty() {
+        format!("none has a name; there are {count}, counted from 0")
+    } else {
+        words::suggest(key, &names, "there are")
+    };
+    Err((format!("there is no entry named `{key}`"), remedy))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_split_outside_of_quotes() {
+        let parts = |text| split(text).map(|(path, value)| (path.join("|"), value));
+        assert_eq!(parts("a.b = 1=2"), Some(("a|b".into(), " 1=2")), "the first equals sign");
+        assert_eq!(parts("a.\"b.c=\".d=1"), Some(("a|b.c=|d".into(), "1")), "quoted");
+        assert_eq!(parts("a.b"), None, "no value");
+        assert_eq!(parts("a.\"b=1"), None, "open quote");
+    }
+}

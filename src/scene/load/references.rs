@@ -1,0 +1,118 @@
+//! Names in a scene: that they are unlike each other, and that what refers to them finds them.
+//!
+//! This looks at the tree, not at the description, so that broken references are found beside all other faults. What
+//! is not even a string is left to the decoder.
+
+use crate::scene::load::node::{Entry, Node};
+use crate::scene::load::report::Report;
+use crate::scene::load::words;
+use std::collections::{HashMap, HashSet};
+
+/// Reports names given twice, references to nothing, shapes without a material, and shapes that are instances of
+/// themselves.
+pub(crate) fn check(tree: &Node, report: &mut Report) {
+    let materials: Vec<&str> = tree
+        .get("materials")
+        .and_then(Node::entries)
+        .map_or(vec![], |entries| entries.iter().map(|entry: &Entry| entry.key.as_str()).collect());
+    let shapes = tree.get("shapes").and_then(Node::items).unwrap_or(&[]);
+    let names = names(shapes, report);
+    for shape in shapes {
+        check_material(shape, &materials, report);
+        check_instance(shape, &names, report);
+    }
+    check_cycles(shapes, &names, report);
+}
+
+/// Shapes by name.
+fn names<'a>(shapes: &'a [Node], report: &mut Report) -> HashMap<&'a str, &'a Node> {
+    let mut names = HashMap::new();
+    for shape in shapes {
+        let Some(node) = shape.get("name") else { continue };
+        let Some(name) = node.text() else { continue };
+        match names.get(name) {
+            None => _ = names.insert(name, shape),
+            Some(first) => {
+                let place = Node::get(first, "name").map_or(&first.spot, |name| &name.spot).place();
+                let what = format!("a shape named `{name}` is there already at {place}");
+                report.error(&node.spot, what, "give one of them another name");
+            }
+        }
+    }
+    names
+}
+
+fn check_material(shape: &Node, materials: &[&str], report: &mut Report) {
+    let kind = shape.get("type").and_then(Node::text);
+    let Some(node) = shape.get("material") else {
+        if let Some("sphere" | "disc" | "rectangle" | "box") = kind {
+            let remedy = unknown_remedy("", materials, "material");
+            report.error(&shape.spot, "missing key `material`", remedy);
+        }
+        return;
+    };
+    let Some(name) = node.text() else { return };
+    if !materials.contains(&name) {
+        let remedy = unknown_remedy(name, materials, "material");
+        report.error(&node.spot, format!("unknown material `{name}`"), remedy);
+    }
+}
+
+fn check_instance(shape: &Node, names: &HashMap<&str, &Node>, report: &mut Report) {
+    let Some((node, name)) = prototype(shape) else { return };
+    if !names.contains_key(name) {
+        let mut known: Vec<&str> = names.keys().copied().collect();
+        known.sort_unstable();
+        let remedy = unknown_remedy(name, &known, "shape");
+        report.error(&node.spot, format!("unknown shape `{name}`"), remedy);
+    }
+}
+
+/// The name that an instance refers to.
+fn prototype(shape: &Node) -> Option<(&Node, &str)> {
+    if shape.get("type").and_then(Node::text) != Some("instance") {
+        return None;
+    }
+    let node = shape.get("of")?;
+    Some((node, node.text()?))
+}
+
+/// The nearest name, else how many there are to choose from.
+fn unknown_remedy(name: &str, known: &[&str], what: &str) -> String {
+    const SHOWN: usize = 8;
+    if known.is_empty() {
+        return format!("no {what} has a name yet; define it");
+    }
+    let (shown, rest) = known.split_at(known.len().min(SHOWN));
+    match words::nearest(name, known.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None if rest.is_empty() => format!("there is {}", words::list(shown.iter().copied(), "and")),
+        None => format!("there is {} and {} more", words::list(shown.iter().copied(), "and"), rest.len()),
+    }
+}
+
+/// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first.
+fn check_cycles<'a>(shapes: &'a [Node], names: &HashMap<&'a str, &'a Node>, report: &mut Report) {
+    let mut finished: HashSet<*const Node> = HashSet::new();
+    for shape in shapes {
+        let mut trail: Vec<&Node> = vec![];
+        let mut next = Some(shape);
+        while let Some(here) = next.filter(|here| !finished.contains(&std::ptr::from_ref::<Node>(here))) {
+            if let Some(start) = trail.iter().position(|past| std::ptr::eq(*past, here)) {
+                report_cycle(&trail[start..], report);
+                break;
+            }
+            trail.push(here);
+            next = prototype(here).and_then(|(_, name)| names.get(name).copied());
+        }
+        finished.extend(trail.into_iter().map(std::ptr::from_ref));
+    }
+}
+
+fn report_cycle(cycle: &[&Node], report: &mut Report) {
+    let Some((of, name)) = cycle.last().and_then(|last| prototype(last)) else { return };
+    let steps: Vec<String> =
+        cycle.iter().filter_map(|shape| Some(format!("`{}`", prototype(shape)?.1))).collect();
+    let what = format!("shape `{name}` is an instance of itself, by {}", words::join(&steps, "and"));
+    report.error(&of.spot, what, "make one of them a shape of its own");
+}

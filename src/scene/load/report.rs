@@ -1,0 +1,40 @@
+//! Everything wrong with the files of a scene, collected.
+
+use crate::error::{Problem, Problems, Result};
+use crate::scene::load::source::Spot;
+
+/// Problems in the order they were found, with what sorts them.
+#[derive(Debug, Default)]
+pub(crate) struct Report {
+    errors: Vec<((usize, usize), Problem)>,
+}
+
+impl Report {
+    /// Adds what is wrong at a spot, and what to do about it.
+    pub(crate) fn error(&mut self, spot: &Spot, what: impl Into<String>, remedy: impl Into<String>) {
+        self.add(spot, Problem::at(spot.place(), what).remedy(remedy));
+    }
+
+    /// Adds what is wrong at a spot.
+    pub(crate) fn error_without_remedy(&mut self, spot: &Spot, what: impl Into<String>) {
+        self.add(spot, Problem::at(spot.place(), what));
+    }
+
+    fn add(&mut self, spot: &Spot, problem: Problem) {
+        let problem = match spot.source.as_override() {
+            Some(text) => Problem { what: format!("in `{text}`: {}", problem.what), ..problem },
+            None => problem,
+        };
+        self.errors.push((spot.order(), problem));
+    }
+
+    /// `value` if nothing was wrong, else everything that was, from top to bottom of each file.
+    pub(crate) fn into_result<T>(mut self, value: Option<T>) -> Result<T> {
+        self.errors.sort_by_key(|(order, _)| *order);
+        let problems = Problems(self.errors.into_iter().map(|(_, problem)| problem).collect());
+        match value {
+            Some(value) => problems.into_result(value),
+            None => Err(problems.into()),
+        }
+    }
+}

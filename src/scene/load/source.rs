@@ -1,0 +1,90 @@
+//! Texts that users wrote, and places in them.
+
+use crate::error::Place;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene file, or one override of the command line.
+#[derive(Debug)]
+pub(crate) struct Source {
+    /// As the user named it.
+    name: Arc<Path>,
+    /// What relative paths in it are relative to.
+    dir: PathBuf,
+    text: String,
+    /// Offsets at which lines start; empty where there are no lines to name.
+    lines: Vec<usize>,
+    /// Files in the order they were opened, overrides after them.
+    order: usize,
+}
+
+impl Source {
+    /// A file.
+    pub(crate) fn file(path: &Path, text: String, order: usize) -> Self {
+        let dir = path.parent().unwrap_or(Path::new("")).to_path_buf();
+        let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
+        Self { name: path.into(), dir, text, lines, order }
+    }
+
+    /// A file that could not be read: places in it have no line.
+    pub(crate) fn unread(path: &Path) -> Self {
+        Self { name: path.into(), dir: PathBuf::new(), text: String::new(), lines: vec![], order: 0 }
+    }
+
+    /// An override; paths in it are relative to the current directory.
+    pub(crate) fn command_line(text: &str, index: usize) -> Self {
+        let order = usize::MAX / 2 + index;
+        let name = Path::new("command line").into();
+        Self { name, dir: PathBuf::new(), text: text.into(), lines: vec![], order }
+    }
+
+    /// Everything that was written.
+    pub(crate) fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// `path` as seen from the current directory.
+    pub(crate) fn resolve(&self, path: &Path) -> PathBuf {
+        self.dir.join(path)
+    }
+
+    /// The override, if it is one.
+    pub(crate) fn as_override(&self) -> Option<&str> {
+        (self.lines.is_empty() && !self.text.is_empty()).then_some(&self.text)
+    }
+
+    fn place(&self, offset: usize) -> Place {
+        let Some(line) = self.lines.partition_point(|&start| start <= offset).checked_sub(1) else {
+            return Place { file: self.name.clone(), line: None, column: None };
+        };
+        let end = self.text.floor_char_boundary(offset.min(self.text.len()));
+        let before = self.text.get(self.lines[line]..end).unwrap_or("");
+        let count = |n: usize| u32::try_from(n + 1).unwrap_or(u32::MAX);
+        Place {
+            file: self.name.clone(),
+            line: Some(count(line)),
+            column: Some(count(before.chars().count())),
+        }
+    }
+}
+
+/// A place in a source, cheap to keep.
+#[derive(Clone, Debug)]
+pub(crate) struct Spot {
+    /// In which text.
+    pub(crate) source: Arc<Source>,
+    /// How many bytes into it.
+    pub(crate) offset: usize,
+}
+
+impl Spot {
+    /// File, line and column.
+    pub(crate) fn place(&self) -> Place {
+        self.source.place(self.offset)
+    }
+
+    /// A key to sort by: files in the order they were opened, then from top to bottom.
+    pub(crate) fn order(&self) -> (usize, usize) {
+        (self.source.order, self.offset)
+    }
+}
