@@ -312,7 +312,7 @@ impl<S: Isa> Kernel<S> for Memory {
     type Output = ();
     #[inline(always)]
     fn run(self, isa: S) {
-        check_u32::<S>("iota", isa.iota(), |i| u32::try_from(i).unwrap());
+        check_u32::<S>("iota", isa.iota(), |i| u32::try_from(i).expect("few lanes"));
         for n in 0..40 {
             check_mask::<S>("first", isa.first(n), |i| i < n);
             let partial = isa.load_partial(&FLOATS[..n.min(32)]);

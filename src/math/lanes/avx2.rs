@@ -327,6 +327,7 @@ impl Lanes for F32x8 {
     type Isa = Avx2;
     type Int = U32x8;
     const WIDTH: usize = 8;
+    const FUSED: bool = true;
 
     #[inline(always)]
     fn isa(self) -> Avx2 {

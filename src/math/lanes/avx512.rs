@@ -277,6 +277,7 @@ impl Lanes for F32x16 {
     type Isa = Avx512;
     type Int = U32x16;
     const WIDTH: usize = 16;
+    const FUSED: bool = true;
 
     #[inline(always)]
     fn isa(self) -> Avx512 {

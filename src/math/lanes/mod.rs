@@ -23,6 +23,7 @@ mod avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx512;
 mod compare;
+mod functions;
 mod int;
 mod isa;
 mod level;
@@ -80,6 +81,8 @@ pub trait Lanes:
     type Int: IntLanes<F = Self, Isa = Self::Isa, Mask = Self::Mask>;
     /// The number of lanes.
     const WIDTH: usize;
+    /// Whether `mul_add` rounds once.
+    const FUSED: bool;
 
     /// The token this value was made with.
     fn isa(self) -> Self::Isa;
@@ -160,28 +163,27 @@ pub trait Lanes:
     /// e^x.
     #[inline(always)]
     fn exp(self) -> Self {
-        self.map(f32::exp)
+        functions::exp(self)
     }
     /// e^x - 1, accurate near zero.
     #[inline(always)]
     fn exp_m1(self) -> Self {
-        self.map(f32::exp_m1)
+        functions::exp_m1(self)
     }
     /// The natural logarithm.
     #[inline(always)]
     fn ln(self) -> Self {
-        self.map(f32::ln)
+        functions::ln(self)
     }
     /// ln(1 + x), accurate near zero.
     #[inline(always)]
     fn ln_1p(self) -> Self {
-        self.map(f32::ln_1p)
+        functions::ln_1p(self)
     }
     /// x^y for x >= 0; 0^0 is 1.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
-        let isa = self.isa();
-        isa.per_lane(|i| self.extract(i).powf(y.extract(i)))
+        functions::powf(self, y)
     }
     /// The sine of x radians.
     #[inline(always)]
@@ -196,32 +198,31 @@ pub trait Lanes:
     /// Sine and cosine of x radians.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        (self.map(f32::sin), self.map(f32::cos))
+        functions::sin_cos(self)
     }
     /// Sine and cosine of x turns, that is of 2 pi x.
     #[inline(always)]
     fn sin_cos_turns(self) -> (Self, Self) {
-        (self * std::f32::consts::TAU).sin_cos()
+        functions::sin_cos_turns(self)
     }
     /// The arc sine in radians, in [-pi/2, pi/2].
     #[inline(always)]
     fn asin(self) -> Self {
-        self.map(f32::asin)
+        functions::asin(self)
     }
     /// The arc cosine in radians, in [0, pi].
     #[inline(always)]
     fn acos(self) -> Self {
-        self.map(f32::acos)
+        functions::acos(self)
     }
     /// The arc tangent in radians, in [-pi/2, pi/2].
     #[inline(always)]
     fn atan(self) -> Self {
-        self.map(f32::atan)
+        functions::atan2(self, self.splat(1.0))
     }
     /// The angle in radians of the point (`x`, `self`) from the x axis, in [-pi, pi].
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
-        let isa = self.isa();
-        isa.per_lane(|i| self.extract(i).atan2(x.extract(i)))
+        functions::atan2(self, x)
     }
 }

@@ -215,6 +215,7 @@ impl<const N: usize> Lanes for PortableF32<N> {
     type Isa = Portable<N>;
     type Int = PortableU32<N>;
     const WIDTH: usize = N;
+    const FUSED: bool = false;
 
     #[inline(always)]
     fn isa(self) -> Portable<N> {

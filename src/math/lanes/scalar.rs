@@ -145,6 +145,7 @@ impl Lanes for f32 {
     type Isa = Scalar;
     type Int = u32;
     const WIDTH: usize = 1;
+    const FUSED: bool = false;
 
     #[inline(always)]
     fn isa(self) -> Scalar {
