@@ -2,9 +2,14 @@
 //!
 //! Each (pixel, vertex, dimension) has the (0,2)-sequence of [`super::sobol`] for itself, shuffled and scrambled by seeds of
 //! its own (Burley 2020, *Practical Hash-based Owen Scrambling*, section 3: padding). Within one purpose the samples of a
-//! pixel are stratified in both coordinates; across purposes they are independent. The error falls as N^-3/2 for
-//! smooth integrands of two variables and as N^-3/4 across an edge, for N a power of two; other N are correct and a little
-//! worse. No table, no state, any width.
+//! pixel are stratified in both coordinates. The error falls as N^-3/2 (log N)^1/2 for smooth integrands of two variables
+//! and as N^-3/4 across an edge, for N a power of two; other N are correct and a little worse. No table, no state, any
+//! width.
+//!
+//! Across purposes the samples of one pixel are paired at random, though not quite as independent numbers are: the two
+//! samples of an aligned pair fall into opposite halves for every purpose, which doubles the variance of the coarsest
+//! interaction of two purposes (and of no other, `tests/sampler_laws.rs`). It is the price of shuffles that keep every
+//! prefix stratified.
 
 use super::{Dim, Sampler, Vertex, hash, owen, sobol};
 use crate::math::lanes::{IntLanes, Wrapping};
