@@ -1,1 +1,15 @@
 //! From samples to pixels.
+//!
+//! Every sample belongs to one pixel: the filter decides where about the pixel it is taken, not which pixels it is spread
+//! over. So a pixel has one owner, its sums one order, and a picture does not depend on tiles or threads.
+//! Ernst, Stamminger, Greiner, 2006, "Filter importance sampling".
+
+mod aov;
+mod filter;
+mod statistics;
+mod sums;
+
+pub use aov::{Aov, Layout};
+pub use filter::{Filter, FilterSample, FilterShape};
+pub use statistics::{NonFinite, SampleId};
+pub use sums::{Film, Precision, Tile};

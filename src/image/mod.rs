@@ -93,4 +93,23 @@ mod tests {
         let message = read(Path::new("a.jpg")).expect_err("not there").to_string();
         assert!(message.contains(".exr or .hdr"), "{message}");
     }
+
+    #[test]
+    fn pictures_by_other_programs_are_read() {
+        let data = std::env::var_os("SPECULA_DATA")
+            .map_or_else(|| "../shared/data".into(), std::path::PathBuf::from);
+        let Ok(files) = std::fs::read_dir(data.join("env")) else {
+            eprintln!("skipped: no pictures in {}", data.display());
+            return;
+        };
+        for path in files.map(|file| file.expect("an entry").path()) {
+            if !matches!(extension(&path).as_str(), "exr" | "hdr") {
+                continue;
+            }
+            let picture = read(&path).unwrap_or_else(|error| panic!("{error}"));
+            let mean = picture.image.pixels().iter().map(|p| f64::from(p.luminance())).sum::<f64>()
+                / f64::from(picture.image.width() * picture.image.height());
+            assert!((1e-3..1e4).contains(&mean), "{}: mean luminance {mean}", path.display());
+        }
+    }
 }

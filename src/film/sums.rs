@@ -1,0 +1,217 @@
+//! Sums of samples, pixel by pixel, and the pixels made of them.
+//!
+//! With weights w of mean 1 and values L, a pixel is mean(w L) + (1 - mean(w)) mean(L): the filter's estimate with the
+//! weights themselves as control variate. A flat area comes out flat, nothing is divided by weights that may cancel, and
+//! for filters whose weights are all 1 it is the mean. Over 20 000 pixels of a tilted edge, stratified, Mitchell filter,
+//! the root mean square error was 0.201 at 4 samples and 0.087 at 16; of sum(w L) / sum(w) 0.265 (2 % of the pixels without
+//! a value) and 0.097; of mean(w L) 0.235 and 0.104. All are the same in the limit.
+//! Owen, 2013, "Monte Carlo theory, methods and examples", section 8.9, for control variates of known mean.
+
+use super::aov::{Aov, Layout};
+use super::statistics::{NonFinite, SampleId};
+use crate::image::exr::{Channel, Picture, Samples};
+use crate::image::{Image, Window};
+use crate::math::Rgb;
+
+/// The samples of a rectangle of pixels, summed in double precision.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tile {
+    window: Window,
+    layout: Layout,
+    /// Samples of each pixel.
+    counts: Vec<u32>,
+    /// Sums of weights.
+    weights: Vec<f64>,
+    /// Sums of values, `layout.len()` for each pixel.
+    plain: Vec<f64>,
+    /// Sums of weight times value, likewise.
+    weighted: Vec<f64>,
+    non_finite: NonFinite,
+}
+
+impl Tile {
+    /// No samples yet in that part of the picture.
+    pub fn new(window: Window, layout: Layout) -> Self {
+        let (pixels, values) = (window.area(), window.area() * layout.len());
+        Self {
+            window,
+            layout,
+            counts: vec![0; pixels],
+            weights: vec![0.0; pixels],
+            plain: vec![0.0; values],
+            weighted: vec![0.0; values],
+            non_finite: NonFinite::default(),
+        }
+    }
+
+    /// Which pixels.
+    pub fn window(&self) -> Window {
+        self.window
+    }
+
+    /// Adds a sample: its filter weight and its values in the order of the layout. Samples of one pixel are to be added in
+    /// the order of their indices, for sums that are the same to the last bit. One with a value that is not finite counts
+    /// as black and is recorded.
+    ///
+    /// # Panics
+    /// For a pixel outside of the window, or another number of values than the layout says.
+    pub fn add(&mut self, sample: SampleId, weight: f32, values: &[f32]) {
+        assert!(self.window.contains(sample.x, sample.y), "{sample:?} outside of {:?}", self.window);
+        assert_eq!(values.len(), self.layout.len(), "values of a sample");
+        let (x, y) = (sample.x - self.window.x0, sample.y - self.window.y0);
+        let pixel = y as usize * self.window.width() as usize + x as usize;
+        let weight = f64::from(weight);
+        self.counts[pixel] += 1;
+        self.weights[pixel] += weight;
+        if !values.iter().all(|value| value.is_finite()) {
+            self.non_finite.record(sample);
+            return;
+        }
+        let range = pixel * values.len()..(pixel + 1) * values.len();
+        let sums = self.plain[range.clone()].iter_mut().zip(&mut self.weighted[range]);
+        for ((plain, weighted), &value) in sums.zip(values) {
+            *plain += f64::from(value);
+            *weighted += weight * f64::from(value);
+        }
+    }
+}
+
+/// The sums of a whole picture, or of a crop of one.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Film {
+    full: [u32; 2],
+    sums: Tile,
+}
+
+/// How an EXR file stores colour.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Precision {
+    /// 16-bit floats: half the size, eleven bits.
+    Half,
+    /// 32-bit floats.
+    #[default]
+    Float,
+}
+
+impl Film {
+    /// A film of the part `window` of a picture of `full` width and height.
+    pub fn new(full: [u32; 2], window: Window, layout: Layout) -> Self {
+        debug_assert!(window.fits(full[0], full[1]), "{window:?} in {full:?}");
+        Self { full, sums: Tile::new(window, layout) }
+    }
+
+    /// Width and height of the whole picture.
+    pub fn full(&self) -> [u32; 2] {
+        self.full
+    }
+
+    /// The pixels that are there.
+    pub fn window(&self) -> Window {
+        self.sums.window
+    }
+
+    /// What is kept of each sample.
+    pub fn layout(&self) -> &Layout {
+        &self.sums.layout
+    }
+
+    /// Samples that were dropped.
+    pub fn non_finite(&self) -> &NonFinite {
+        &self.sums.non_finite
+    }
+
+    /// Samples taken, dropped ones included.
+    pub fn samples(&self) -> u64 {
+        self.sums.counts.iter().map(|&count| u64::from(count)).sum()
+    }
+
+    /// Adds the sums of a tile. Bit for bit the same in whatever order tiles come, as long as no two share a pixel.
+    ///
+    /// # Panics
+    /// If the tile reaches beyond the film or has another layout.
+    pub fn add(&mut self, tile: &Tile) {
+        let (to, from) = (self.sums.window, tile.window);
+        assert!(
+            to.x0 <= from.x0 && to.y0 <= from.y0 && from.fits(to.x1, to.y1),
+            "tile {from:?} beyond film {to:?}"
+        );
+        assert_eq!(self.sums.layout, tile.layout, "layout of a tile");
+        let values = tile.layout.len();
+        let (from_width, to_width) = (from.width() as usize, to.width() as usize);
+        for row in 0..from.height() as usize {
+            let source = row * from_width;
+            let target = (row + (from.y0 - to.y0) as usize) * to_width + (from.x0 - to.x0) as usize;
+            let width = from_width;
+            add_all(&mut self.sums.counts[target..target + width], &tile.counts[source..source + width]);
+            add_all(&mut self.sums.weights[target..target + width], &tile.weights[source..source + width]);
+            let (target, source, width) = (target * values, source * values, width * values);
+            add_all(&mut self.sums.plain[target..target + width], &tile.plain[source..source + width]);
+            add_all(&mut self.sums.weighted[target..target + width], &tile.weighted[source..source + width]);
+        }
+        self.sums.non_finite.merge(&tile.non_finite);
+    }
+
+    /// Value number `value` of each pixel by row; zero where there are no samples.
+    #[expect(clippy::cast_possible_truncation, reason = "sums are rounded to the precision of pictures")]
+    fn resolve(&self, value: usize) -> Vec<f32> {
+        let (sums, step) = (&self.sums, self.sums.layout.len());
+        let pixels = sums.counts.iter().zip(&sums.weights).enumerate();
+        let resolved = pixels.map(|(pixel, (&count, &weight))| {
+            if count == 0 {
+                return 0.0;
+            }
+            let (count, at) = (f64::from(count), pixel * step + value);
+            let (weighted, plain) = (sums.weighted[at] / count, sums.plain[at] / count);
+            (weighted + (1.0 - weight / count) * plain) as f32
+        });
+        resolved.collect()
+    }
+
+    /// The channels of an output; none if it is not kept.
+    pub fn channels(&self, aov: Aov) -> Option<Vec<Vec<f32>>> {
+        let offset = self.sums.layout.offset(aov)?;
+        let mut channels: Vec<_> =
+            (0..aov.channels().len()).map(|channel| self.resolve(offset + channel)).collect();
+        if aov.is_fraction() {
+            channels.iter_mut().flatten().for_each(|x| *x = x.clamp(0.0, 1.0));
+        }
+        Some(channels)
+    }
+
+    /// The picture; black if it is not kept.
+    pub fn image(&self) -> Image {
+        let (width, height) = (self.window().width(), self.window().height());
+        let mut image = Image::new(width, height);
+        if let Some([r, g, b]) = self.channels(Aov::Beauty).as_deref() {
+            let colours = r.iter().zip(g).zip(b).map(|((&r, &g), &b)| Rgb::new(r, g, b));
+            image.pixels_mut().iter_mut().zip(colours).for_each(|(pixel, colour)| *pixel = colour);
+        }
+        image
+    }
+
+    /// All that is kept, for an EXR file with that metadata.
+    pub fn picture(&self, precision: Precision, attributes: Vec<(String, String)>) -> Picture {
+        let channels = self.sums.layout.aovs().iter().flat_map(|&aov| {
+            aov.channels().iter().zip(self.channels(aov).into_iter().flatten()).map(|(name, values)| {
+                Channel {
+                    name: (*name).to_owned(),
+                    samples: match precision {
+                        Precision::Half => Samples::Half(values),
+                        Precision::Float => Samples::Float(values),
+                    },
+                }
+            })
+        });
+        let channels = channels.collect();
+        Picture { full: self.full, window: self.window(), channels, attributes, warnings: Vec::new() }
+    }
+}
+
+/// Adds each of `terms` to its sum.
+fn add_all<T: Copy + std::ops::AddAssign>(sums: &mut [T], terms: &[T]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, &term)| *sum += term);
+}
+
+#[cfg(test)]
+#[path = "sums_tests.rs"]
+mod tests;
