@@ -8,7 +8,7 @@
 //!
 //! Across purposes the samples of one pixel are paired at random, though not quite as independent numbers are: the two
 //! samples of an aligned pair fall into opposite halves for every purpose, which doubles the variance of the coarsest
-//! interaction of two purposes (and of no other, `tests/sampler_laws.rs`). It is the price of shuffles that keep every
+//! interaction of two purposes and raises that of finer ones less. It is the price of shuffles that keep every
 //! prefix stratified.
 
 use super::{Dim, Sampler, Vertex, hash, owen, sobol};
