@@ -160,67 +160,69 @@ pub trait Lanes:
     fn map(self, f: impl Fn(f32) -> f32) -> Self {
         self.isa().per_lane(|i| f(self.extract(i)))
     }
-    /// e^x.
+    /// e^x within 1 ulp. Below -87.33654, where results would be less than 2^-126, zero; from 88.72284 infinite.
     #[inline(always)]
     fn exp(self) -> Self {
         functions::exp(self)
     }
-    /// e^x - 1, accurate near zero.
+    /// e^x - 1 within 1.5 ulp, near zero too; from 88.72284 infinite. Minus zero gives plus zero.
     #[inline(always)]
     fn exp_m1(self) -> Self {
         functions::exp_m1(self)
     }
-    /// The natural logarithm.
+    /// The natural logarithm within 1 ulp; minus infinity below 2^-126, NaN below zero.
     #[inline(always)]
     fn ln(self) -> Self {
         functions::ln(self)
     }
-    /// ln(1 + x), accurate near zero.
+    /// ln(1 + x) within 1.5 ulp, near zero too; minus infinity at -1, NaN below. Minus zero gives plus zero.
     #[inline(always)]
     fn ln_1p(self) -> Self {
         functions::ln_1p(self)
     }
-    /// x^y for x >= 0; 0^0 is 1.
+    /// x^y within 1.4 ulp if the result is in [1e-5, 1e5], 2.6 ulp elsewhere; infinite from 3.402e38, zero below 2^-126.
+    /// x^0 and 1^y are 1 for all x and y; otherwise NaN for x < 0, even for whole y. x below 2^-126 counts as zero.
     #[inline(always)]
     fn powf(self, y: Self) -> Self {
         functions::powf(self, y)
     }
-    /// The sine of x radians.
+    /// The sine of x radians; see [`Lanes::sin_cos`].
     #[inline(always)]
     fn sin(self) -> Self {
         self.sin_cos().0
     }
-    /// The cosine of x radians.
+    /// The cosine of x radians; see [`Lanes::sin_cos`].
     #[inline(always)]
     fn cos(self) -> Self {
         self.sin_cos().1
     }
-    /// Sine and cosine of x radians.
+    /// Sine and cosine of x radians, each within 1 ulp for |x| <= 12867. Greater arguments count as zero; infinities give NaN.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         functions::sin_cos(self)
     }
-    /// Sine and cosine of x turns, that is of 2 pi x.
+    /// Sine and cosine of x turns, that is of 2 pi x, within 1.1 ulp: the cheapest for directions around an axis.
     #[inline(always)]
     fn sin_cos_turns(self) -> (Self, Self) {
         functions::sin_cos_turns(self)
     }
-    /// The arc sine in radians, in [-pi/2, pi/2].
+    /// The arc sine in [-pi/2, pi/2], within 1.9 ulp; NaN for |x| > 1.
     #[inline(always)]
     fn asin(self) -> Self {
         functions::asin(self)
     }
-    /// The arc cosine in radians, in [0, pi].
+    /// The arc cosine in [0, pi], within 1.3 ulp; NaN for |x| > 1.
     #[inline(always)]
     fn acos(self) -> Self {
         functions::acos(self)
     }
-    /// The arc tangent in radians, in [-pi/2, pi/2].
+    /// The arc tangent in [-pi/2, pi/2], within 1.4 ulp.
     #[inline(always)]
     fn atan(self) -> Self {
         functions::atan2(self, self.splat(1.0))
     }
-    /// The angle in radians of the point (`x`, `self`) from the x axis, in [-pi, pi].
+    /// The angle of the point (`x`, `self`) from the x axis in [-pi, pi], within 1.6 ulp. The signs of zeros count as in
+    /// IEEE 754; magnitudes below 2^-126 count as zero, |x| and |y| must not both exceed 1.7e38, two infinities give NaN.
     #[inline(always)]
     fn atan2(self, x: Self) -> Self {
         functions::atan2(self, x)

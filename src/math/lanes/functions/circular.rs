@@ -15,18 +15,21 @@ const COS: [f32; 3] = [0.041_666_646, -0.001_388_731, 2.443_232_7e-5];
 /// pi / 2 in four parts, the first three of eleven bits: their products with integers up to 2^13 are exact.
 const RIGHT_ANGLE: [f32; 4] = [1.570_312_5, 0.000_483_751_3, 7.549_533_6e-8, 2.563_344e-12];
 
+/// 2^13 right angles, beyond which the reduction is inexact.
+const LARGEST: f32 = 12_867.0;
+
 /// 2 pi and what is missing.
 const TURN_HIGH: f32 = std::f32::consts::TAU;
 const TURN_LOW: f32 = -1.748_455_5e-7;
 
 #[inline(always)]
 pub(in super::super) fn sin_cos<F: Lanes>(x: F) -> (F, F) {
+    // Zero, or NaN for what is not finite.
+    let x = F::select(x.abs().le(LARGEST), x, x * 0.0);
     let rounded = x.mul_add(x.splat(FRAC_2_PI), x.splat(ROUNDER));
     let k = rounded - ROUNDER;
     let r = k.mul_add(x.splat(-RIGHT_ANGLE[0]), x);
     let r = k.mul_add(x.splat(-RIGHT_ANGLE[1]), r);
-    // The multiple is lost for huge arguments: any point of the circle will do, but NaN for what is not finite.
-    let r = F::select(r.abs().le(1.0), r, x * 0.0);
     let (r, low) = fast_two_sum(r, k * -RIGHT_ANGLE[2]);
     let low = k.mul_add(x.splat(-RIGHT_ANGLE[3]), low);
     in_quadrant(r, low, rounded.to_bits())
@@ -36,6 +39,7 @@ pub(in super::super) fn sin_cos<F: Lanes>(x: F) -> (F, F) {
 pub(in super::super) fn sin_cos_turns<F: Lanes>(x: F) -> (F, F) {
     let rounded = x.mul_add(x.splat(4.0), x.splat(ROUNDER));
     let turns = (rounded - ROUNDER).mul_add(x.splat(-0.25), x);
+    // Arguments of 2^22 and above are whole turns, or nearly so, or not finite.
     let turns = F::select(turns.abs().le(0.25), turns, x * 0.0);
     let (r, lost) = two_product(turns, x.splat(TURN_HIGH));
     in_quadrant(r, turns.mul_add(x.splat(TURN_LOW), lost), rounded.to_bits())

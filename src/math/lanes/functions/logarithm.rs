@@ -4,7 +4,7 @@ use super::{LN_2_HIGH, LN_2_LOW, Lanes, polynomial};
 use crate::math::lanes::{IntLanes, Wrapping};
 
 /// (ln(1 + f) - f) / f^2; leaves 8e-9 in ln(1 + f).
-pub(super) const LN: [f32; 9] = [
+const LN: [f32; 9] = [
     -0.5,
     0.333_333_73,
     -0.250_008_4,
