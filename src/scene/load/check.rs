@@ -2,7 +2,7 @@
 
 use crate::scene::description::{Camera, Form, Light, Step};
 use crate::scene::load::decode::Fields;
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec3, Vec4};
 
 /// Sine of the least angle between directions that count as different. Smaller accepts frames whose axes are mostly
 /// rounding error; larger refuses views that are meant.
@@ -60,7 +60,7 @@ pub(crate) fn step(step: &Step, fields: &mut Fields<'_>) {
         }
         Step::Matrix { matrix: [a, b, c, _, d, e, f, _, g, h, i, _, last @ ..] } => {
             let linear = Mat3::from_cols_array(&[a, d, g, b, e, h, c, f, i]);
-            if last != [0.0, 0.0, 0.0, 1.0] {
+            if Vec4::from(last) != Vec4::W {
                 let remedy = "give the matrix row by row; the last row must be 0, 0, 0, 1";
                 fields.problem("matrix", "`matrix` is not affine", remedy);
             } else if linear.determinant() == 0.0 {

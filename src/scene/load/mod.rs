@@ -13,6 +13,7 @@ pub(crate) mod decode;
 mod files;
 mod merge;
 pub(crate) mod node;
+pub mod obj;
 mod overrides;
 mod references;
 pub(crate) mod report;
@@ -24,6 +25,7 @@ use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, Integrator, Light, Material};
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
+pub use obj::{LoadedMesh, load_obj};
 use report::Report;
 use std::path::Path;
 

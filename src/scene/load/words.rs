@@ -36,7 +36,7 @@ pub(crate) fn join(words: &[String], conjunction: &str) -> String {
 }
 
 /// A remedy for a word that is none of the candidates: the nearest one, else all of them.
-pub(crate) fn suggest<'a>(word: &str, candidates: &[&'a str], otherwise: &str) -> String {
+pub(crate) fn suggest(word: &str, candidates: &[&str], otherwise: &str) -> String {
     match nearest(word, candidates.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),
         None => format!("{otherwise} {}", list(candidates.iter().copied(), "or")),
