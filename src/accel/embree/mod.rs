@@ -6,9 +6,7 @@
 //!
 //! What is assumed: the layouts asserted in `embree4-sys`, and what Embree's manual promises, quoted where it is
 //! relied on. Limits: one level of instancing, no motion and no user geometry; widths of packets other than 4, 8 and
-//! 16 fall to single rays. Rays that are not traceable are not filtered out, because Embree finds nothing along them
-//! (`tests/accel_agree.rs` tries them all); a ray that is not a number may however cost a walk through the whole
-//! hierarchy.
+//! 16 fall to single rays. Rays that are not sound numbers are kept from Embree: some crash it (`query`).
 
 #![expect(unsafe_code, reason = "Embree is a C library")]
 

@@ -4,6 +4,10 @@
 //! one ray by three vector moves and traces a packet where it lies. "For performance reasons this function does not
 //! do any error checks": the types rule out what it would have checked, and nothing is asked afterwards.
 //!
+//! What the types cannot rule out is checked before each call, for it is not only a wrong answer: on library 4.4.0 a
+//! direction that is not a number crashed a robust scene of spheres, and an infinite origin was found to hit
+//! triangles. Rays count as sound up to [`LARGEST`]; all others hit nothing.
+//!
 //! Embree 4 has no streams. Ours are cut into packets of the widest native kind; the arrays are copied, which costs
 //! little beside the traversal.
 
@@ -12,7 +16,7 @@ use crate::accel::packet::placement;
 use crate::accel::{Active, Coherence, HitPacket, HitStream, Packet, RayPacket, RayStream};
 use crate::geometry::{Hit, Ray};
 use embree4_sys as sys;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::mem::{align_of, offset_of, size_of};
 use std::ptr::null_mut;
 
@@ -83,12 +87,16 @@ const NO_HIT: sys::RTCHit = sys::RTCHit {
     instPrimID: [sys::RTC_INVALID_GEOMETRY_ID],
 };
 
+/// The largest sum of the magnitudes of a ray's coordinates that is traced: about the root of the largest number, so
+/// that squares are finite. Embree leaves out primitives from half of it on ("greater than 1.844E18f").
+const LARGEST: f32 = 1.8e18;
+
 impl Scene<Committed> {
     /// The nearest hit within the ray's range.
     #[must_use]
     #[inline]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let mut query = sys::RTCRayHit { ray: raw_ray(ray), hit: NO_HIT };
+        let mut query = sys::RTCRayHit { ray: sound(ray)?, hit: NO_HIT };
         // SAFETY: the scene is committed; the structure is aligned by its type and its identifiers are preset.
         unsafe { sys::rtcIntersect1(self.raw(), &raw mut query, null_mut()) };
         let hit = &query.hit;
@@ -106,10 +114,10 @@ impl Scene<Committed> {
     #[must_use]
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let mut query = raw_ray(ray);
+        let Some(mut query) = sound(ray) else { return false };
         // SAFETY: the scene is committed; the structure is aligned by its type.
         unsafe { sys::rtcOccluded1(self.raw(), &raw mut query, null_mut()) };
-        // Found: the end was set to negative infinity. A ray that had it there before, or none, found nothing.
+        // Found: the end was set to negative infinity, where no sound ray has it.
         query.tfar < ray.t_max
     }
 
@@ -121,9 +129,18 @@ impl Scene<Committed> {
         packet: &mut Packet<N>,
         coherence: Coherence,
     ) {
+        if !has_kernel(N) {
+            for lane in active.lanes() {
+                let hit = self.intersect(&packet.ray.get(lane));
+                packet.set_hit(lane, hit.as_ref());
+            }
+            return;
+        }
         let mut arguments = sys::rtcInitIntersectArguments();
         arguments.flags = flags(coherence);
         preset(active, &mut packet.hit);
+        let sound = soundness(active, &packet.ray);
+        let active = sound.as_ref().unwrap_or(active);
         let valid = active.as_array().as_ptr();
         let to: *mut Packet<N> = packet;
         let (scene, arguments) = (self.raw(), &raw mut arguments);
@@ -134,12 +151,7 @@ impl Scene<Committed> {
             8 => unsafe { sys::rtcIntersect8(valid, scene, to.cast(), arguments) },
             // SAFETY: as for 4.
             16 => unsafe { sys::rtcIntersect16(valid, scene, to.cast(), arguments) },
-            _ => {
-                for lane in active.lanes() {
-                    let hit = self.intersect(&packet.ray.get(lane));
-                    packet.set_hit(lane, hit.as_ref());
-                }
-            }
+            _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
         }
     }
 
@@ -151,8 +163,18 @@ impl Scene<Committed> {
         rays: &mut RayPacket<N>,
         coherence: Coherence,
     ) {
+        if !has_kernel(N) {
+            for lane in active.lanes() {
+                if self.occluded(&rays.get(lane)) {
+                    rays.t_max[lane] = f32::NEG_INFINITY;
+                }
+            }
+            return;
+        }
         let mut arguments = sys::rtcInitOccludedArguments();
         arguments.flags = flags(coherence);
+        let sound = soundness(active, rays);
+        let active = sound.as_ref().unwrap_or(active);
         let valid = active.as_array().as_ptr();
         let to: *mut RayPacket<N> = rays;
         let (scene, arguments) = (self.raw(), &raw mut arguments);
@@ -163,13 +185,7 @@ impl Scene<Committed> {
             8 => unsafe { sys::rtcOccluded8(valid, scene, to.cast(), arguments) },
             // SAFETY: as for 4.
             16 => unsafe { sys::rtcOccluded16(valid, scene, to.cast(), arguments) },
-            _ => {
-                for lane in active.lanes() {
-                    if self.occluded(&rays.get(lane)) {
-                        rays.t_max[lane] = f32::NEG_INFINITY;
-                    }
-                }
-            }
+            _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
         }
     }
 
@@ -221,12 +237,48 @@ impl Scene<Committed> {
     }
 }
 
-/// The ray as Embree's structure.
+/// The ray as Embree's structure; `None` if it must not be traced.
 #[inline]
-fn raw_ray(ray: &Ray) -> sys::RTCRay {
+fn sound(ray: &Ray) -> Option<sys::RTCRay> {
     let own: *const Ray = ray;
+    // SAFETY: a ray is three rows of four numbers, aligned as they are; any bits are a number.
+    let [o, d, _] = unsafe { own.cast::<[Vec4; 3]>().read() };
+    let xyz = |v: Vec4| v.x.abs() + v.y.abs() + v.z.abs();
+    if !is_sound(xyz(o), xyz(d), ray.t_min, ray.t_max) {
+        return None;
+    }
     // SAFETY: size, alignment and fields agree, as asserted above, and every field is a plain number.
-    unsafe { own.cast::<sys::RTCRay>().read() }
+    Some(unsafe { own.cast::<sys::RTCRay>().read() })
+}
+
+/// Whether a ray may be traced, given the sums of magnitudes of its origin's and direction's coordinates: comparisons
+/// are false of what is not a number.
+#[inline]
+fn is_sound(o: f32, d: f32, t_min: f32, t_max: f32) -> bool {
+    // No short circuit: this runs over lanes.
+    (o + d <= LARGEST) & (d > 0.0) & (t_min <= t_max)
+}
+
+/// The active lanes that may be traced, if those are not all of them.
+#[inline]
+fn soundness<const N: usize>(active: &Active<N>, rays: &RayPacket<N>) -> Option<Active<N>> {
+    let is_sound = |lane: usize| {
+        let o = rays.o_x[lane].abs() + rays.o_y[lane].abs() + rays.o_z[lane].abs();
+        let d = rays.d_x[lane].abs() + rays.d_y[lane].abs() + rays.d_z[lane].abs();
+        is_sound(o, d, rays.t_min[lane], rays.t_max[lane])
+    };
+    let flags = active.as_array();
+    let unsound = (0..N).fold(0, |all, lane| all | flags[lane] & !-i32::from(is_sound(lane)));
+    if unsound == 0 {
+        return None;
+    }
+    let bits = active.lanes().filter(|&lane| is_sound(lane)).fold(0, |bits, lane| bits | 1 << lane);
+    Some(Active::from_bits(bits))
+}
+
+/// Whether Embree takes packets of `n`.
+const fn has_kernel(n: usize) -> bool {
+    matches!(n, 4 | 8 | 16)
 }
 
 fn flags(coherence: Coherence) -> sys::RTCRayQueryFlags {
