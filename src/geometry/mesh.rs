@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use crate::math::Aabb;
+use crate::math::{Aabb, Transform};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -78,6 +78,24 @@ impl Mesh {
     pub fn with_groups(self, groups: Vec<u16>) -> Result<Self, MeshError> {
         check_length("groups", groups.len(), self.triangles.len())?;
         Ok(Self { groups: Some(groups.into()), ..self })
+    }
+
+    /// The same mesh carried to another place. Mirrored maps keep the outside outside.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        if map.is_identity() {
+            return self.clone();
+        }
+        let mirrored = map.world_from_object().matrix3.determinant() < 0.0;
+        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
+        let normal = |n: &Vec3| map.normal(*n).normalize_or_zero();
+        Self {
+            positions: self.positions.iter().map(|p| map.point(*p)).collect(),
+            triangles: self.triangles.iter().copied().map(turned).collect(),
+            normals: self.normals.as_ref().map(|normals| normals.iter().map(normal).collect()),
+            uvs: self.uvs.clone(),
+            groups: self.groups.clone(),
+        }
     }
 
     /// Vertex positions.

@@ -1,1 +1,62 @@
 //! From rays to radiance.
+//!
+//! An [`Integrator`] is a function of scene, ray and random numbers. What it must write besides its answer, counts and
+//! scratch memory, belongs to one thread: [`Worker`].
+
+mod counters;
+mod direct;
+mod shading;
+mod view;
+mod whitted;
+
+pub use counters::Counters;
+pub use view::View;
+pub use whitted::Whitted;
+
+use crate::accel::Accel;
+use crate::geometry::Ray;
+use crate::material::Media;
+use crate::math::Rgb;
+use crate::sampling::Sampler;
+use crate::scene::Scene;
+
+/// What one camera ray brings home.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radiance {
+    /// Radiance, W/(sr m^2), or what a view shows.
+    pub color: Rgb<f32>,
+    /// 1 where a surface was hit, 0 where not.
+    pub alpha: f32,
+}
+
+/// A frozen scene, and what finds hits in it.
+#[derive(Debug)]
+pub struct Stage<'a, A> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// The backend, built from the scene's world.
+    pub accel: &'a A,
+    /// What the camera stands in.
+    pub eye_media: Media,
+}
+
+/// What one thread writes to.
+#[derive(Debug, Default)]
+pub struct Worker {
+    /// How often what happened.
+    pub counters: Counters,
+    /// Branches of the ray tree still to be followed; empty between camera rays.
+    pub(crate) pending: Vec<whitted::Node>,
+}
+
+/// From a camera ray to radiance.
+pub trait Integrator: Sync {
+    /// The radiance that arrives along `ray`, a camera ray with a unit direction. Depends on scene, ray and `sampler` alone.
+    fn li<A: Accel, S: Sampler<I = u32>>(
+        &self,
+        stage: &Stage<'_, A>,
+        ray: &Ray,
+        sampler: &S,
+        worker: &mut Worker,
+    ) -> Radiance;
+}

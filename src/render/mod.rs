@@ -1,1 +1,12 @@
 //! Tiles, threads and dispatch.
+//!
+//! A picture depends on scene, pixel and sample index only, not on threads, tiles or crops: each pixel has one owner and
+//! its samples one order.
+
+mod dispatch;
+mod eye;
+mod job;
+mod tiles;
+
+pub use dispatch::render;
+pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};

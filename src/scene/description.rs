@@ -184,6 +184,8 @@ record! {
         backend: Backend = Backend::Embree;
         /// Where samples fall.
         sampler: Sampler = Sampler::Sobol;
+        /// How light on its way to a surface passes through glass.
+        glass_shadows: GlassShadows = GlassShadows::Straight;
         /// Another seed gives another, equally valid noise.
         seed: u64 = 0;
     }
@@ -224,6 +226,16 @@ choice! {
         "embree" => Embree,
         /// Every primitive is tested against every ray: slow, for checking the others.
         "brute" => Brute,
+    }
+}
+
+choice! {
+    /// How light on its way to a surface passes through glass. The ray tree does not find the true, bent way.
+    pub enum GlassShadows {
+        /// Straight on, dimmed by reflection and absorption: brighter and nearer the truth for thin glass.
+        "straight" => Straight,
+        /// Not at all: glass casts full shadows.
+        "opaque" => Opaque,
     }
 }
 

@@ -1,10 +1,17 @@
 //! From files to a frozen scene.
+//!
+//! [`load()`] reads what a user wrote into a [`Description`], plain data in which everything has a place; [`build()`]
+//! reads the files it names and freezes a [`Scene`], which has no file names and does not change.
 
+mod build;
 pub mod description;
+mod frozen;
 pub mod load;
 mod record;
 pub mod schema;
 
-pub use description::Description;
+pub use build::{Built, build};
+pub use description::{Description, GlassShadows};
+pub use frozen::Scene;
 pub use load::{Loaded, load};
 pub use schema::schema;

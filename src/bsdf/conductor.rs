@@ -1,0 +1,77 @@
+//! Metals, polished and rough.
+
+use crate::bsdf::mirror::reflection;
+use crate::bsdf::{Branch, BsdfSample, fresnel, microfacet::Ggx};
+use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use crate::math::{Rgb, Vec3};
+
+/// A polished metal.
+#[derive(Clone, Copy, Debug)]
+pub struct Conductor<F> {
+    /// Real part of the index of refraction.
+    pub eta: Rgb<F>,
+    /// Imaginary part: extinction.
+    pub k: Rgb<F>,
+}
+
+impl<F: Lanes> Conductor<F> {
+    /// The mirror direction, by Fresnel.
+    #[inline(always)]
+    pub fn branch(&self, wo: Vec3<F>) -> Branch<F> {
+        reflection(wo, fresnel::conductor_rgb(wo.z, self.eta, self.k))
+    }
+}
+
+/// A rough metal: GGX microfacets, light that bounces among them more than once is lost.
+#[derive(Clone, Copy, Debug)]
+pub struct RoughConductor<F> {
+    /// Real part of the index of refraction.
+    pub eta: Rgb<F>,
+    /// Imaginary part: extinction.
+    pub k: Rgb<F>,
+    /// The distribution of normals.
+    pub ggx: Ggx<F>,
+}
+
+impl<F: Lanes> RoughConductor<F> {
+    /// A direction mirrored at a visible normal; below-surface ones are not valid: their light is lost.
+    #[inline(always)]
+    pub fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
+        let h = self.ggx.sample_visible(wo, u2);
+        let cos = wo.dot(h);
+        let wi = h * (cos * 2.0) - wo;
+        let valid = wo.z.gt(0.0) & wi.z.gt(0.0) & cos.gt(0.0);
+        let pdf = self.ggx.d(h) * self.ggx.g1(wo) / (wo.z * 4.0);
+        let fresnel = fresnel::conductor_rgb(cos, self.eta, self.k);
+        let weight = fresnel * (self.ggx.g2(wo, wi) / self.ggx.g1(wo));
+        BsdfSample { wi, weight, pdf, valid: valid & pdf.is_finite() }
+    }
+
+    /// Density of [`Self::sample`] with respect to solid angle: D G1(wo) / (4 cos theta_o) (Heitz 2018, Sampling the GGX
+    /// Distribution of Visible Normals, eq. 17).
+    #[inline(always)]
+    pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
+        let (h, lit) = half_vector(wo, wi);
+        let pdf = self.ggx.d(h) * self.ggx.g1(wo) / (wo.z * 4.0);
+        F::select(lit, pdf, pdf.splat(0.0))
+    }
+
+    /// F D G2 / (4 cos theta_o cos theta_i).
+    #[inline(always)]
+    pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
+        let (h, lit) = half_vector(wo, wi);
+        let f = self.ggx.d(h) * self.ggx.g2(wo, wi) / (wo.z * wi.z * 4.0);
+        let fresnel = fresnel::conductor_rgb(wo.dot(h), self.eta, self.k);
+        fresnel * F::select(lit, f, f.splat(0.0))
+    }
+}
+
+/// The normal that mirrors `wo` into `wi`, and where both lie above the surface and the normal exists.
+#[inline(always)]
+pub(crate) fn half_vector<F: Lanes>(wo: Vec3<F>, wi: Vec3<F>) -> (Vec3<F>, F::Mask) {
+    let sum = wo + wi;
+    let length2 = sum.length2();
+    // Below 1e-6 of length both directions graze and their half vector is rounding noise.
+    let exists = length2.gt(1e-12) & wo.z.gt(0.0) & wi.z.gt(0.0);
+    (sum * length2.max(1e-12).rsqrt(), exists)
+}

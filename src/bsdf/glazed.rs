@@ -1,0 +1,63 @@
+//! A smooth dielectric coat over a diffuse base: glazed pottery, billiard balls.
+
+use crate::bsdf::mirror::reflection;
+use crate::bsdf::{Branch, Diffuse, fresnel};
+use crate::math::lanes::Lanes;
+use crate::math::{Rgb, Vec3};
+
+/// The coat alone: what a scene computes once.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coat {
+    /// Index of refraction, relative to outside.
+    pub ior: f32,
+    /// Mean reflectance from within.
+    inside: f32,
+}
+
+impl Coat {
+    /// A coat of index `ior` >= 1.
+    #[must_use]
+    pub fn new(ior: f32) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "a reflectance needs no more digits")]
+        let inside = fresnel::average_inside(f64::from(ior)) as f32;
+        Self { ior, inside }
+    }
+
+    /// The coat over a base that reflects `base`, each channel in [0, 1].
+    #[must_use]
+    pub fn over(&self, base: Rgb<f32>) -> Glazed<f32> {
+        // The sum over all bounces between base and coat, and the spreading of the cone of light that enters.
+        let through = |rho: f32| rho / (self.ior * self.ior * (1.0 - rho * self.inside));
+        Glazed { eta: self.ior, inside: Rgb::new(through(base.r), through(base.g), through(base.b)) }
+    }
+}
+
+/// A glazed surface. Light enters the coat, is scattered by the base, and bounces between base and coat until it
+/// leaves or is absorbed.
+#[derive(Clone, Copy, Debug)]
+pub struct Glazed<F> {
+    /// Index of refraction of the coat, relative to outside.
+    pub eta: F,
+    /// Reflectance of the base once light is inside: base / (n^2 (1 - base F_inside)).
+    pub inside: Rgb<F>,
+}
+
+impl<F: Lanes> Glazed<F> {
+    /// The reflection in the coat.
+    #[inline(always)]
+    pub fn branch(&self, wo: Vec3<F>) -> Branch<F> {
+        reflection(wo, Rgb::gray(fresnel::dielectric(wo.z, self.eta).reflectance))
+    }
+
+    /// The light that went through the coat twice.
+    #[inline(always)]
+    pub fn diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
+        let base = Diffuse { reflectance: self.inside }.eval(wo, wi);
+        base * (self.transmitted(wo.z) * self.transmitted(wi.z))
+    }
+
+    #[inline(always)]
+    fn transmitted(&self, cos: F) -> F {
+        -fresnel::dielectric(cos, self.eta).reflectance + 1.0
+    }
+}

@@ -1,0 +1,81 @@
+//! The GGX distribution of microfacet normals.
+//!
+//! Trowbridge and Reitz 1975, named by Walter et al. 2007 (Microfacet Models for Refraction); Smith's masking with
+//! correlated heights (Heitz 2014, Understanding the Masking-Shadowing Function). Alpha from 1e-4 to 1: what is smoother
+//! is a mirror, since the lobe is then narrower than the rounding of a unit vector.
+
+use crate::math::Vec3;
+use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use std::f32::consts::FRAC_1_PI;
+
+/// Below this roughness a surface is treated as polished.
+pub const SMOOTHEST: f32 = 1e-4;
+
+/// An anisotropic GGX surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Ggx<F> {
+    /// Roughness along the first tangent.
+    pub alpha_x: F,
+    /// Roughness along the second tangent.
+    pub alpha_y: F,
+}
+
+impl<F: Lanes> Ggx<F> {
+    /// The same roughness in all directions.
+    #[inline(always)]
+    pub fn isotropic(alpha: F) -> Self {
+        Self { alpha_x: alpha, alpha_y: alpha }
+    }
+
+    /// Area of normals about `h` per solid angle and area of the mean surface, 1/sr.
+    ///
+    /// Written as a_x a_y / (pi (a_y^2 x^2 / a_x... )^2) without 1 - z^2, which would cancel at low roughness.
+    #[inline(always)]
+    pub fn d(&self, h: Vec3<F>) -> F {
+        let (ax, ay) = (self.alpha_x, self.alpha_y);
+        let x = h.x * ay;
+        let y = h.y * ax;
+        let z = h.z * ax * ay;
+        let product = ax * ay;
+        let e = x.mul_add(x, y.mul_add(y, z * z));
+        let d = (product / e).square() * product * FRAC_1_PI;
+        F::select(h.z.gt(0.0), d, d.splat(0.0))
+    }
+
+    /// Smith's auxiliary function Lambda(w).
+    #[inline(always)]
+    fn lambda(&self, w: Vec3<F>) -> F {
+        let slope = (w.x * self.alpha_x).square() + (w.y * self.alpha_y).square();
+        let tan2 = slope / w.z.square().max(1e-30);
+        // (sqrt(1 + t) - 1) / 2 without cancellation for small t.
+        tan2 * 0.5 / ((tan2 + 1.0).sqrt() + 1.0)
+    }
+
+    /// Fraction of the microfacets facing `w` that `w` sees, in (0, 1].
+    #[inline(always)]
+    pub fn g1(&self, w: Vec3<F>) -> F {
+        (self.lambda(w) + 1.0).recip()
+    }
+
+    /// Fraction that both see, heights correlated, in (0, 1].
+    #[inline(always)]
+    pub fn g2(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
+        (self.lambda(wo) + self.lambda(wi) + 1.0).recip()
+    }
+
+    /// A normal from those that `wo` sees, of density D G1 (wo.h) / wo.z with respect to solid angle.
+    ///
+    /// The visible normals of a hemisphere are a spherical cap (Dupuy and Benyoub 2023, Sampling Visible GGX Normals
+    /// with Spherical Caps); the ellipsoid of GGX is a stretched hemisphere.
+    #[inline(always)]
+    pub fn sample_visible(&self, wo: Vec3<F>, [u, v]: [F; 2]) -> Vec3<F> {
+        let one = u.splat(1.0);
+        let stretched = Vec3::new(wo.x * self.alpha_x, wo.y * self.alpha_y, wo.z).normalize();
+        let z = (one - v).mul_add(stretched.z + 1.0, -stretched.z);
+        // 1 - z^2 as (1 - z)(1 + z), with 1 - z = v (1 + wo.z) exactly.
+        let s = (v * (stretched.z + 1.0) * (z + 1.0)).max(0.0).sqrt();
+        let (sin, cos) = u.sin_cos_turns();
+        let h = Vec3::new(cos * s, sin * s, z) + stretched;
+        Vec3::new(h.x * self.alpha_x, h.y * self.alpha_y, h.z.max(1e-30)).normalize()
+    }
+}

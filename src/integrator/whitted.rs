@@ -1,0 +1,276 @@
+//! The ray tree.
+//!
+//! Whitted 1980 (An Improved Illumination Model for Shaded Display), with exact Fresnel terms, glossy lobes and area lights. At
+//! every surface: emission, direct light, and a branch per specular or glossy way on. A branch is cut where the path is
+//! long enough (`max_depth`) or where it would carry too little (`min_throughput`); both only darken. Diffuse light between
+//! surfaces is not followed: that is the path tracer's.
+//!
+//! ```text
+//! push the camera ray
+//! while there is a branch:
+//!     find what it hits, through surfaces that overlapping media hide; absorb along the way
+//!     add emission, or the environment on a miss
+//!     stop where the path is long enough
+//!     add direct light
+//!     push reflected, refracted and glossy branches that carry enough
+//! ```
+
+use crate::accel::Accel;
+use crate::bsdf::{Branch, Bsdf};
+use crate::geometry::{Interaction, Ray};
+use crate::integrator::direct::{self, Receiver};
+use crate::integrator::shading::Shading;
+use crate::integrator::{Integrator, Radiance, Stage, Worker};
+use crate::light::Reference;
+use crate::material::{Crossing, Media};
+use crate::math::{Rgb, Vec3};
+use crate::sampling::{Dim, Sampler, Vertex, heuristic};
+
+/// Follows the ray tree depth first.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Whitted {
+    /// Longest path in edges: 1 sees emission only, 2 adds direct light and one mirror.
+    pub max_depth: u32,
+    /// Branches that would carry less than this part of what reaches the pixel are not followed.
+    pub min_throughput: f32,
+}
+
+/// A branch to be followed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    ray: Ray,
+    /// What radiance along the ray is multiplied by on its way to the camera.
+    beta: Rgb<f32>,
+    /// The part of `beta` that is a change of medium, not a loss.
+    radiance_scale: f32,
+    /// Edges of the path, this one included.
+    depth: u32,
+    vertex: Vertex,
+    media: Media,
+    drawn: Option<Drawn>,
+}
+
+/// How a glossy branch was drawn; what it meets by chance is shared with asking lights.
+#[derive(Clone, Copy, Debug)]
+struct Drawn {
+    from: Reference<f32>,
+    pdf: f32,
+}
+
+/// What is beyond saving however small `min_throughput` is.
+const NOTHING: f32 = 1e-30;
+
+/// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
+const MOST_HIDDEN: u32 = 256;
+
+const REFLECTED: u32 = 0;
+const REFRACTED: u32 = 1;
+const GLOSSY: u32 = 2;
+
+impl Integrator for Whitted {
+    fn li<A: Accel, S: Sampler<I = u32>>(
+        &self,
+        stage: &Stage<'_, A>,
+        ray: &Ray,
+        sampler: &S,
+        worker: &mut Worker,
+    ) -> Radiance {
+        worker.counters.camera += 1;
+        let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
+        worker.pending.push(Node {
+            ray: *ray,
+            beta: Rgb::WHITE,
+            radiance_scale: 1.0,
+            depth: 1,
+            vertex: Vertex::ROOT,
+            media: stage.eye_media,
+            drawn: None,
+        });
+        while let Some(node) = worker.pending.pop() {
+            let vertex = node.vertex;
+            let hit = self.follow(stage, node, sampler, worker, &mut result.color);
+            if vertex == Vertex::ROOT && hit {
+                result.alpha = 1.0;
+            }
+        }
+        result
+    }
+}
+
+impl Whitted {
+    /// Adds what one branch brings and pushes those that go on from it. Whether it hit a surface.
+    fn follow<A: Accel, S: Sampler<I = u32>>(
+        &self,
+        stage: &Stage<'_, A>,
+        mut node: Node,
+        sampler: &S,
+        worker: &mut Worker,
+        sum: &mut Rgb<f32>,
+    ) -> bool {
+        let scene = stage.scene;
+        let Some(arrival) = arrive(stage, &mut node, worker) else {
+            *sum += node.beta * environment(stage, &node);
+            return false;
+        };
+        let Arrival { it, eta, beyond } = arrival;
+        let (_, material) = scene.material(&it);
+        let emitted = material.emitted(it.is_front());
+        if emitted != Rgb::BLACK {
+            *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
+        }
+        let Some(bsdf) = material.bsdf(it.uv, eta) else { return true };
+        let shading = Shading::at(&it);
+        let receiver = Receiver { it: &it, shading, bsdf: &bsdf };
+        if node.depth < self.max_depth {
+            *sum += node.beta * direct::light(stage, &receiver, sampler, node.vertex, &mut worker.counters);
+        }
+        let at = At { node: &node, it: &it, shading, beyond };
+        self.push_specular(&at, &bsdf, worker);
+        self.push_glossy(&at, &receiver, sampler, worker);
+        true
+    }
+
+    /// The lighter branch is pushed last and followed first, so that few are pending.
+    fn push_specular(&self, at: &At<'_>, bsdf: &Bsdf<f32>, worker: &mut Worker) {
+        let mut branches = bsdf.branches(at.shading.wo);
+        let heavy = |branch: &Option<Branch<f32>>| branch.map_or(0.0, |b| b.weight.max_channel());
+        if heavy(&branches[1]) > heavy(&branches[0]) {
+            branches.swap(0, 1);
+        }
+        for branch in branches.into_iter().flatten().filter(|branch| branch.valid) {
+            let d = at.shading.to_world(branch.wi).normalize();
+            // Where a bent normal sends refraction back to the side it came from, there is no way through.
+            if branch.transmission != (d.dot(at.shading.ng) < 0.0) {
+                continue;
+            }
+            let radiance_scale = at.node.radiance_scale * branch.radiance_scale;
+            let child = Node {
+                ray: at.it.spawn(d),
+                beta: at.node.beta * branch.weight.scale(branch.radiance_scale),
+                radiance_scale,
+                depth: at.node.depth + 1,
+                vertex: at.node.vertex.child(if branch.transmission { REFRACTED } else { REFLECTED }),
+                media: if branch.transmission { at.beyond } else { at.node.media },
+                drawn: None,
+            };
+            if self.push(child, worker) {
+                let kind = if branch.transmission {
+                    &mut worker.counters.refracted
+                } else {
+                    &mut worker.counters.reflected
+                };
+                *kind += 1;
+            }
+        }
+    }
+
+    fn push_glossy<S: Sampler<I = u32>>(
+        &self,
+        at: &At<'_>,
+        receiver: &Receiver<'_>,
+        sampler: &S,
+        worker: &mut Worker,
+    ) {
+        let u2 = sampler.get_2d(Dim::LobeDirection, at.node.vertex);
+        let Some(sample) = receiver.bsdf.sample_glossy(at.shading.wo, u2) else { return };
+        let d = at.shading.to_world(sample.wi).normalize();
+        if !sample.valid || d.dot(at.shading.ng) <= 0.0 {
+            return;
+        }
+        let child = Node {
+            ray: at.it.spawn(d),
+            beta: at.node.beta * sample.weight,
+            depth: at.node.depth + 1,
+            vertex: at.node.vertex.child(GLOSSY),
+            drawn: Some(Drawn { from: receiver.reference(), pdf: sample.pdf }),
+            ..*at.node
+        };
+        if self.push(child, worker) {
+            worker.counters.glossy += 1;
+        }
+    }
+
+    /// Whether the branch is followed; if not, why is counted.
+    fn push(&self, child: Node, worker: &mut Worker) -> bool {
+        if child.depth > self.max_depth {
+            worker.counters.cut_by_depth += 1;
+            return false;
+        }
+        let carried = child.beta.max_channel() / child.radiance_scale;
+        if carried < self.min_throughput.max(NOTHING) {
+            worker.counters.cut_by_attenuation += 1;
+            return false;
+        }
+        worker.pending.push(child);
+        true
+    }
+}
+
+/// Where branches leave from.
+struct At<'a> {
+    node: &'a Node,
+    it: &'a Interaction,
+    shading: Shading,
+    /// The media behind the surface.
+    beyond: Media,
+}
+
+/// The surface that a branch ends at.
+struct Arrival {
+    it: Interaction,
+    /// Index of refraction behind the surface over that before it.
+    eta: f32,
+    beyond: Media,
+}
+
+/// Finds the surface that `node` meets, `None` if it escapes; what the way absorbs goes into `node.beta`, and media whose
+/// surfaces were passed unseen into `node.media`.
+fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) -> Option<Arrival> {
+    for _ in 0..MOST_HIDDEN {
+        let Some(hit) = stage.accel.intersect(&node.ray) else {
+            absorb(stage, node, f32::INFINITY);
+            return None;
+        };
+        absorb(stage, node, hit.t);
+        let it = stage.scene.world.interaction(&node.ray, &hit);
+        let (id, material) = stage.scene.material(&it);
+        let Some(medium) = material.medium() else {
+            return Some(Arrival { it, eta: 1.0, beyond: node.media });
+        };
+        match node.media.cross(id, medium, it.is_front()) {
+            // Between equal media there is nothing to see either, and the direction must not change at all.
+            Crossing::Interface { eta, beyond } if eta != 1.0 => return Some(Arrival { it, eta, beyond }),
+            Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
+                node.media = beyond;
+                node.ray = it.spawn(node.ray.d);
+                worker.counters.hidden += 1;
+            }
+        }
+    }
+    None
+}
+
+/// Beer's law over `length` metres of the medium that the branch is in.
+fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
+    let Some(medium) = node.media.current().and_then(|id| stage.scene.materials[id.index()].medium()) else {
+        return;
+    };
+    let pass = |sigma: f32| if sigma > 0.0 { (-sigma * length).exp() } else { 1.0 };
+    let Rgb { r, g, b } = medium.absorption;
+    node.beta *= Rgb::new(pass(r), pass(g), pass(b));
+}
+
+fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
+    let Some((light, environment)) = stage.scene.environment() else { return Rgb::BLACK };
+    let radiance = environment.radiance(node.ray.d);
+    let Some(drawn) = node.drawn else { return radiance };
+    let asked = direct::light_pdf(light, drawn.from, Vec3::from(node.ray.d), None);
+    radiance.scale(heuristic::power(drawn.pdf, asked))
+}
+
+/// The part of a surface's emission that is this branch's, the rest being found by asking lights.
+fn share_of_emission<A: Accel>(stage: &Stage<'_, A>, node: &Node, it: &Interaction) -> f32 {
+    let Some(drawn) = node.drawn else { return 1.0 };
+    let Some(light) = stage.scene.light_of(it.placement) else { return 1.0 };
+    heuristic::power(drawn.pdf, direct::light_pdf(light, drawn.from, Vec3::from(node.ray.d), Some(it)))
+}

@@ -1,0 +1,201 @@
+//! Flat and tessellated area lights, sampled by area.
+//!
+//! A point of the surface is drawn uniformly; the density per area 1/A becomes d^2 / (A cos) per solid angle. Enough for
+//! lights that subtend less than about half a radian; larger and nearer ones are right but noisy.
+
+use crate::light::{Emitter, LightSample, Reference, per_lane};
+use crate::math::lanes::{Compare, Lanes};
+use crate::math::{Rgb, Vec3};
+use crate::sampling::{Table1d, TableError, warp};
+use std::f32::consts::PI;
+
+/// A point drawn from a surface.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfacePoint<F> {
+    /// Where.
+    pub p: Vec3<F>,
+    /// Unit normal.
+    pub n: Vec3<F>,
+    /// Density with respect to area, 1/m^2.
+    pub pdf: F,
+}
+
+/// A surface that can be sampled uniformly.
+pub trait SampleArea {
+    /// A point of the surface, like `like` in kind.
+    fn sample_area<F: Lanes>(&self, like: F, u2: [F; 2]) -> SurfacePoint<F>;
+
+    /// Density of [`Self::sample_area`] on primitive `prim`, with respect to area.
+    fn pdf_area(&self, prim: u32) -> f32;
+
+    /// Area, m^2.
+    fn area(&self) -> f32;
+}
+
+/// A surface that shines with the same radiance everywhere.
+#[derive(Clone, Debug)]
+pub struct Area<S> {
+    /// The surface.
+    pub surface: S,
+    /// Emitted radiance.
+    pub radiance: Rgb<f32>,
+    /// Whether the back shines too.
+    pub two_sided: bool,
+}
+
+impl<S: SampleArea> Area<S> {
+    #[inline(always)]
+    pub(super) fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
+        let like = at.p.x;
+        let SurfacePoint { p, n, pdf } = self.surface.sample_area(like, u2);
+        let way = p - at.p;
+        let distance2 = way.length2();
+        let wi = way * distance2.max(1e-30).rsqrt();
+        let facing = -wi.dot(n);
+        let cos = if self.two_sided { facing.abs() } else { facing };
+        let pdf = distance2 * pdf / cos.max(1e-30);
+        let valid = cos.gt(0.0) & distance2.gt(0.0) & wi.dot(at.n).gt(0.0) & pdf.is_finite();
+        LightSample { wi, p, li: Rgb::splat(like, self.radiance), pdf, valid }
+    }
+
+    pub(super) fn pdf(&self, at: Reference<f32>, wi: Vec3<f32>, emitter: &Emitter) -> f32 {
+        let facing = -wi.dot(emitter.ng.into());
+        let cos = if self.two_sided { facing.abs() } else { facing };
+        let distance2 = (Vec3::from(emitter.p) - at.p).length2();
+        if cos > 0.0 { distance2 * self.surface.pdf_area(emitter.prim) / cos } else { 0.0 }
+    }
+
+    pub(super) fn power(&self) -> f32 {
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        self.radiance.luminance() * PI * self.surface.area() * sides
+    }
+}
+
+/// The points `center + s edge_u + t edge_v` with s and t in [-1, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RectangleArea {
+    center: Vec3<f32>,
+    edge_u: Vec3<f32>,
+    edge_v: Vec3<f32>,
+    normal: Vec3<f32>,
+    area: f32,
+}
+
+impl RectangleArea {
+    /// From the centre and half edges; the normal is along `edge_u` x `edge_v`.
+    #[must_use]
+    pub fn new(center: glam::Vec3, edge_u: glam::Vec3, edge_v: glam::Vec3) -> Self {
+        let across = edge_u.cross(edge_v);
+        let [center, edge_u, edge_v] = [center, edge_u, edge_v].map(Vec3::from);
+        Self { center, edge_u, edge_v, normal: across.normalize().into(), area: 4.0 * across.length() }
+    }
+}
+
+impl SampleArea for RectangleArea {
+    #[inline(always)]
+    fn sample_area<F: Lanes>(&self, like: F, [u, v]: [F; 2]) -> SurfacePoint<F> {
+        let along_u = Vec3::splat(like, self.edge_u) * (u * 2.0 - 1.0);
+        let along_v = Vec3::splat(like, self.edge_v) * (v * 2.0 - 1.0);
+        let p = Vec3::splat(like, self.center) + along_u + along_v;
+        SurfacePoint { p, n: Vec3::splat(like, self.normal), pdf: like.splat(1.0 / self.area) }
+    }
+
+    fn pdf_area(&self, _prim: u32) -> f32 {
+        1.0 / self.area
+    }
+
+    fn area(&self) -> f32 {
+        self.area
+    }
+}
+
+/// A flat disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiscArea {
+    center: Vec3<f32>,
+    normal: Vec3<f32>,
+    x: Vec3<f32>,
+    y: Vec3<f32>,
+    area: f32,
+}
+
+impl DiscArea {
+    /// From the centre, the unit normal and the radius.
+    #[must_use]
+    pub fn new(center: glam::Vec3, normal: glam::Vec3, radius: f32) -> Self {
+        let (x, y) = normal.any_orthonormal_pair();
+        let [center, normal, x, y] = [center, normal, x * radius, y * radius].map(Vec3::from);
+        Self { center, normal, x, y, area: PI * radius * radius }
+    }
+}
+
+impl SampleArea for DiscArea {
+    #[inline(always)]
+    fn sample_area<F: Lanes>(&self, like: F, u2: [F; 2]) -> SurfacePoint<F> {
+        let [x, y] = warp::disc(u2);
+        let p =
+            Vec3::splat(like, self.center) + Vec3::splat(like, self.x) * x + Vec3::splat(like, self.y) * y;
+        SurfacePoint { p, n: Vec3::splat(like, self.normal), pdf: like.splat(1.0 / self.area) }
+    }
+
+    fn pdf_area(&self, _prim: u32) -> f32 {
+        1.0 / self.area
+    }
+
+    fn area(&self) -> f32 {
+        self.area
+    }
+}
+
+/// Triangles, each chosen in proportion to its area.
+#[derive(Clone, Debug)]
+pub struct MeshArea {
+    triangles: Vec<[glam::Vec3; 3]>,
+    choice: Table1d,
+    area: f32,
+}
+
+impl MeshArea {
+    /// From triangles in world space, counter-clockwise seen from the side that shines. Fails if all are degenerate or
+    /// there are more than [`Table1d::MAX_LEN`].
+    pub fn new(triangles: Vec<[glam::Vec3; 3]>) -> Result<Self, TableError> {
+        let areas: Vec<f32> = triangles.iter().map(area_of).collect();
+        let choice = Table1d::new(&areas)?;
+        #[expect(clippy::cast_possible_truncation, reason = "summed in double precision, used in single")]
+        let area = choice.total() as f32;
+        Ok(Self { triangles, choice, area })
+    }
+
+    fn sample_one(&self, u: f32, v: f32) -> [f32; 7] {
+        let chosen = self.choice.sample(u);
+        #[expect(clippy::cast_precision_loss, reason = "tables are shorter than 2^24")]
+        let rest = chosen.value * self.choice.len() as f32 - chosen.index as f32;
+        let [a, b, c] = self.triangles[chosen.index];
+        let [b0, b1, b2] = warp::triangle([rest.clamp(0.0, 1.0 - f32::EPSILON), v]);
+        let p = a * b0 + b * b1 + c * b2;
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        [p.x, p.y, p.z, n.x, n.y, n.z, chosen.probability / area_of(&[a, b, c])]
+    }
+}
+
+fn area_of([a, b, c]: &[glam::Vec3; 3]) -> f32 {
+    (b - a).cross(c - a).length() * 0.5
+}
+
+impl SampleArea for MeshArea {
+    #[inline(always)]
+    fn sample_area<F: Lanes>(&self, like: F, [u, v]: [F; 2]) -> SurfacePoint<F> {
+        let [x, y, z, nx, ny, nz, pdf] =
+            per_lane(like, |lane| self.sample_one(u.extract(lane), v.extract(lane)));
+        SurfacePoint { p: Vec3::new(x, y, z), n: Vec3::new(nx, ny, nz), pdf }
+    }
+
+    fn pdf_area(&self, prim: u32) -> f32 {
+        let index = prim as usize;
+        self.triangles.get(index).map_or(0.0, |corners| self.choice.probability(index) / area_of(corners))
+    }
+
+    fn area(&self) -> f32 {
+        self.area
+    }
+}

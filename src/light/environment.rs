@@ -1,0 +1,158 @@
+//! Light from infinity.
+//!
+//! A constant environment is sampled by the cosine about the normal; a picture by its brightness. The picture is a
+//! longitude-latitude map: its middle row is the horizon, its top row the zenith +Y, its middle column -Z seen from
+//! inside, and columns grow towards +X.
+
+use crate::image::Image;
+use crate::light::{LightSample, Reference, per_lane};
+use crate::math::lanes::{Compare, Lanes};
+use crate::math::{Frame, Rgb, Vec3};
+use crate::sampling::{Table2d, TableError, warp};
+use std::f32::consts::{FRAC_1_PI, PI, TAU};
+
+/// Radiance from every direction.
+#[derive(Clone, Debug)]
+pub enum Environment {
+    /// The same from everywhere.
+    Constant(Rgb<f32>),
+    /// A picture.
+    Map(Box<EnvironmentMap>),
+}
+
+impl Environment {
+    /// Radiance from the unit direction `d`.
+    #[must_use]
+    pub fn radiance(&self, d: glam::Vec3) -> Rgb<f32> {
+        match self {
+            Self::Constant(radiance) => *radiance,
+            Self::Map(map) => map.radiance(d),
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
+        let like = at.p.x;
+        match self {
+            Self::Constant(radiance) => {
+                let local = warp::cosine_hemisphere(u2);
+                let wi = Frame::about(at.n).to_world(local);
+                let pdf = local.z * FRAC_1_PI;
+                LightSample { wi, p: at.p, li: Rgb::splat(like, *radiance), pdf, valid: pdf.gt(0.0) }
+            }
+            Self::Map(map) => {
+                let [u, v] = u2;
+                let [x, y, z, r, g, b, pdf] =
+                    per_lane(like, |lane| map.sample_one([u.extract(lane), v.extract(lane)]));
+                let wi = Vec3::new(x, y, z);
+                let valid = pdf.gt(0.0) & pdf.is_finite() & wi.dot(at.n).gt(0.0);
+                LightSample { wi, p: at.p, li: Rgb::new(r, g, b), pdf, valid }
+            }
+        }
+    }
+
+    pub(super) fn pdf(&self, at: Reference<f32>, wi: Vec3<f32>) -> f32 {
+        match self {
+            Self::Constant(_) => wi.dot(at.n).max(0.0) * FRAC_1_PI,
+            Self::Map(map) => map.pdf(wi.into()),
+        }
+    }
+
+    pub(super) fn mean_luminance(&self) -> f32 {
+        match self {
+            Self::Constant(radiance) => radiance.luminance(),
+            Self::Map(map) => map.mean_luminance,
+        }
+    }
+}
+
+/// A longitude-latitude picture of radiance, interpolated linearly.
+#[derive(Clone, Debug)]
+pub struct EnvironmentMap {
+    image: Image,
+    scale: f32,
+    rotation: f32,
+    choice: Table2d,
+    mean_luminance: f32,
+}
+
+impl EnvironmentMap {
+    /// From a picture, a factor on its values and a rotation about +Y in radians, counter-clockwise seen from above. Fails
+    /// if the picture is black or holds negative or non-finite values.
+    pub fn new(image: Image, scale: f32, rotation: f32) -> Result<Self, TableError> {
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let mut weights = vec![0.0_f32; width * height];
+        let (mut sum, mut solid) = (0.0_f64, 0.0_f64);
+        for y in 0..height {
+            let sin = (PI * (y as f32 + 0.5) / height as f32).sin();
+            for x in 0..width {
+                weights[y * width + x] = neighbourhood(&image, x, y) * sin;
+                sum += f64::from(texel(&image, x as isize, y as isize).luminance() * sin);
+                solid += f64::from(sin);
+            }
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "a mean needs no more digits")]
+        let mean_luminance = (sum / solid) as f32 * scale;
+        Ok(Self { choice: Table2d::new(&weights, width)?, image, scale, rotation, mean_luminance })
+    }
+
+    fn radiance(&self, d: glam::Vec3) -> Rgb<f32> {
+        let [u, v] = self.uv(d);
+        let x = u * self.image.width() as f32 - 0.5;
+        let y = v * self.image.height() as f32 - 0.5;
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        #[expect(clippy::cast_possible_truncation, reason = "columns and rows of a picture")]
+        let (x, y) = (x.floor() as isize, y.floor() as isize);
+        let row = |y| texel(&self.image, x, y).lerp(texel(&self.image, x + 1, y), fx);
+        row(y).lerp(row(y + 1), fy).scale(self.scale)
+    }
+
+    /// The map's coordinates of a unit direction, in [0, 1).
+    fn uv(&self, d: glam::Vec3) -> [f32; 2] {
+        let longitude = d.x.atan2(-d.z) + self.rotation;
+        // The length of the horizontal part keeps the angle exact near the poles.
+        let colatitude = d.x.hypot(d.z).atan2(d.y);
+        [
+            (longitude / TAU + 0.5).rem_euclid(1.0).min(1.0 - f32::EPSILON),
+            (colatitude / PI).min(1.0 - f32::EPSILON),
+        ]
+    }
+
+    fn pdf(&self, d: glam::Vec3) -> f32 {
+        let sin = d.x.hypot(d.z);
+        if sin > 0.0 { self.choice.pdf(self.uv(d)) / (2.0 * PI * PI * sin) } else { 0.0 }
+    }
+
+    /// Direction, radiance and density.
+    fn sample_one(&self, u2: [f32; 2]) -> [f32; 7] {
+        let chosen = self.choice.sample(u2);
+        let [u, v] = chosen.uv;
+        let (sin, cos) = (v * PI).sin_cos();
+        let (sin_longitude, cos_longitude) = ((u - 0.5) * TAU - self.rotation).sin_cos();
+        let d = glam::Vec3::new(sin * sin_longitude, cos, -sin * cos_longitude);
+        let pdf = if sin > 0.0 { chosen.pdf / (2.0 * PI * PI * sin) } else { 0.0 };
+        let Rgb { r, g, b } = self.radiance(d);
+        [d.x, d.y, d.z, r, g, b, pdf]
+    }
+}
+
+/// A pixel; columns wrap, rows end.
+#[expect(
+    clippy::cast_sign_loss,
+    clippy::cast_possible_truncation,
+    reason = "wrapped and clamped to the picture"
+)]
+fn texel(image: &Image, x: isize, y: isize) -> Rgb<f32> {
+    let x = x.rem_euclid(image.width() as isize) as u32;
+    let y = y.clamp(0, image.height() as isize - 1) as u32;
+    image.pixel(x, y)
+}
+
+/// The mean brightness of a pixel and its neighbours: wherever interpolation can find light, sampling must go.
+#[expect(clippy::cast_possible_wrap, reason = "columns and rows of a picture")]
+fn neighbourhood(image: &Image, x: usize, y: usize) -> f32 {
+    let (x, y) = (x as isize, y as isize);
+    let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
+    let weight = |d: isize| if d == 0 { 0.75 } else { 0.125 };
+    around.map(|(dx, dy)| weight(dx) * weight(dy) * texel(image, x + dx, y + dy).luminance()).sum()
+}

@@ -1,0 +1,57 @@
+//! Spherical lights, sampled by solid angle.
+
+use crate::light::{LightSample, Reference};
+use crate::math::lanes::{Compare, Lanes};
+use crate::math::{Frame, Rgb, Vec3};
+use crate::sampling::warp;
+use std::f32::consts::PI;
+
+/// A sphere that shines outwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SphereLight {
+    /// Centre.
+    pub center: Vec3<f32>,
+    /// Radius, m.
+    pub radius: f32,
+    /// Emitted radiance.
+    pub radiance: Rgb<f32>,
+}
+
+impl SphereLight {
+    /// A direction drawn uniformly from the cone that the sphere fills; none from within the sphere, which is dark.
+    #[inline(always)]
+    pub(super) fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
+        let like = at.p.x;
+        let (way, distance2, one_minus_cos) = self.cone(at.p);
+        let outside = distance2.gt(self.radius * self.radius);
+        let axis = way * distance2.max(1e-30).rsqrt();
+        let wi = Frame::about(axis).to_world(warp::cone(u2, one_minus_cos));
+        // The near crossing, through the distance of the ray from the centre rather than differences of squares.
+        let mid = way.dot(wi);
+        let off2 = (way - wi * mid).length2();
+        let half_chord = (-off2 + self.radius * self.radius).max(0.0).sqrt();
+        let p = at.p + wi * (mid - half_chord);
+        let pdf = warp::cone_pdf(one_minus_cos);
+        let valid = outside & wi.dot(at.n).gt(0.0) & pdf.is_finite();
+        LightSample { wi, p, li: Rgb::splat(like, self.radiance), pdf, valid }
+    }
+
+    /// The density of every direction that meets the sphere from outside.
+    pub(super) fn pdf(&self, at: Reference<f32>) -> f32 {
+        let (_, distance2, one_minus_cos) = self.cone(at.p);
+        if distance2 > self.radius * self.radius { warp::cone_pdf(one_minus_cos) } else { 0.0 }
+    }
+
+    /// The way to the centre, its squared length, and one minus the cosine of the half angle that the sphere fills.
+    #[inline(always)]
+    fn cone<F: Lanes>(&self, p: Vec3<F>) -> (Vec3<F>, F, F) {
+        let way = Vec3::splat(p.x, self.center) - p;
+        let distance2 = way.length2();
+        let sin2 = (p.x.splat(self.radius * self.radius) / distance2.max(1e-30)).min(1.0);
+        (way, distance2, warp::one_minus_cos_of_sin2(sin2))
+    }
+
+    pub(super) fn power(&self) -> f32 {
+        self.radiance.luminance() * PI * 4.0 * PI * self.radius * self.radius
+    }
+}

@@ -1,0 +1,120 @@
+//! From what a user chose to the types that do it: the only place that knows both.
+
+use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
+use crate::accel::{Accel, Brute};
+use crate::error::{Error, Problem, Result};
+use crate::film::{Filter, FilterShape};
+use crate::image::Window;
+use crate::integrator::{Integrator, View, Whitted};
+use crate::render::tiles::{self, Plan};
+use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
+use crate::sampling::SamplerKind;
+use crate::scene::{Scene, description};
+use std::num::{NonZeroU32, NonZeroUsize};
+use std::ops::ControlFlow;
+use std::thread;
+
+/// Renders a scene: builds the hierarchy, then takes all samples.
+///
+/// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
+pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
+    let window = window(scene, settings)?;
+    let threads = settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("render {i}"))
+        .build()
+        .map_err(|error| Error::Backend { backend: "threads", what: error.to_string() })?;
+    let seed = scene.render.seed;
+    let plan = Plan {
+        scene,
+        window,
+        filter: filter(&scene.film),
+        sampler: match scene.render.sampler {
+            description::Sampler::Sobol => SamplerKind::OwenSobol,
+            description::Sampler::Independent => SamplerKind::Independent,
+        },
+        #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
+        seed: (seed ^ (seed >> 32)) as u32,
+        progress,
+    };
+    let (mut rendered, build) = match scene.render.backend {
+        description::Backend::Embree => {
+            let (accel, build) = Phase::of(|| embree(scene, threads, progress));
+            let accel = accel?;
+            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
+            rendered.statistics.backend = format!("embree {}", accel.device().version());
+            rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
+            (rendered, build)
+        }
+        description::Backend::Brute => {
+            let (accel, build) = Phase::of(|| Brute::new(scene.world.clone()));
+            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
+            "brute".clone_into(&mut rendered.statistics.backend);
+            "scalar".clone_into(&mut rendered.statistics.isa);
+            (rendered, build)
+        }
+    };
+    rendered.statistics.build = build;
+    rendered.statistics.threads = threads;
+    Ok(rendered)
+}
+
+fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
+    let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
+    let options = BuildOptions { device: Config { threads, ..Config::default() }, ..BuildOptions::default() };
+    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
+        EmbreeError::Cancelled => Error::Interrupted,
+        other => Error::Backend { backend: "embree", what: other.to_string() },
+    })
+}
+
+fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
+    let settings = &plan.scene.render;
+    let whitted = Whitted { max_depth: settings.max_depth, min_throughput: settings.min_throughput };
+    match settings.integrator {
+        description::Integrator::Whitted => timed(plan, accel, &whitted),
+        description::Integrator::View => {
+            let view = match settings.view {
+                description::View::Normals => View::Normals,
+                description::View::ShadingNormals => View::ShadingNormals,
+                description::View::Depth => View::Depth,
+                description::View::Uv => View::Uv,
+                description::View::Material => View::Material,
+                description::View::Cost => View::Cost(whitted),
+            };
+            timed(plan, accel, &view)
+        }
+    }
+}
+
+fn timed<A: Accel, I: Integrator>(plan: &Plan<'_>, accel: &A, integrator: &I) -> Result<Rendered> {
+    let (traced, render) = Phase::of(|| tiles::trace(plan, accel, integrator));
+    let (film, counters) = traced?;
+    let samples = film.samples();
+    let hierarchy_bytes = accel.bytes();
+    Ok(Rendered { film, statistics: Statistics { counters, samples, render, hierarchy_bytes, ..Statistics::default() } })
+}
+
+fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
+    let [width, height] = [scene.film.width, scene.film.height];
+    let whole = Window { x0: 0, y0: 0, x1: width, y1: height };
+    let window = settings.crop.unwrap_or(whole);
+    if window.is_empty() || !window.fits(width, height) {
+        let Window { x0, y0, x1, y1 } = window;
+        let problem = Problem::new(format!("the crop {x0},{y0},{x1},{y1} is not a part of the picture"));
+        return Err(problem.remedy(format!("stay within 0,0,{width},{height}, upper ends excluded")).into());
+    }
+    Ok(window)
+}
+
+fn filter(film: &description::Film) -> Filter {
+    let shape = match film.filter {
+        description::Filter::Box => FilterShape::Box,
+        description::Filter::Tent => FilterShape::Tent,
+        description::Filter::Gaussian => FilterShape::Gaussian,
+        description::Filter::Mitchell => FilterShape::Mitchell,
+    };
+    Filter::new(shape, film.filter_radius.unwrap_or(film.filter.default_radius()))
+}

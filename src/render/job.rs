@@ -1,0 +1,86 @@
+//! What a rendering is told, and what it tells.
+
+use crate::film::Film;
+use crate::image::Window;
+use crate::integrator::Counters;
+use cpu_time::ProcessTime;
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+/// What the scene does not say.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// How many threads; all processors if absent.
+    pub threads: Option<NonZeroUsize>,
+    /// The part of the picture to render; all of it if absent.
+    pub crop: Option<Window>,
+}
+
+/// Somebody who watches, and may stop it. Called from several threads at once.
+pub trait Progress: Sync {
+    /// `done` of `total` samples have been taken.
+    fn advance(&self, done: u64, total: u64);
+
+    /// Whether to stop.
+    fn is_cancelled(&self) -> bool;
+}
+
+/// Nobody watches.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Progress for Silent {
+    fn advance(&self, _done: u64, _total: u64) {}
+
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// How long something took.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Phase {
+    /// By the clock.
+    pub wall: Duration,
+    /// Of the processors, all threads together.
+    pub cpu: Duration,
+}
+
+impl Phase {
+    /// `work`'s answer, and how long it took.
+    pub fn of<T>(work: impl FnOnce() -> T) -> (T, Self) {
+        let (wall, cpu) = (Instant::now(), ProcessTime::now());
+        let answer = work();
+        (answer, Self { wall: wall.elapsed(), cpu: cpu.elapsed() })
+    }
+}
+
+/// How a rendering went.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Rays and cuts.
+    pub counters: Counters,
+    /// Camera samples taken.
+    pub samples: u64,
+    /// Building the hierarchy.
+    pub build: Phase,
+    /// Tracing.
+    pub render: Phase,
+    /// Bytes of the hierarchy.
+    pub hierarchy_bytes: usize,
+    /// The backend, with its version.
+    pub backend: String,
+    /// The instruction set that the backend uses.
+    pub isa: String,
+    /// How many threads there were.
+    pub threads: usize,
+}
+
+/// A picture, and how it came about.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// The sums.
+    pub film: Film,
+    /// How it went.
+    pub statistics: Statistics,
+}

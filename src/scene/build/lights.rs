@@ -1,0 +1,127 @@
+//! Lights, and the surfaces of those that have one.
+
+use crate::error::{Place, Problem};
+use crate::geometry::{Disc, Shape, Sphere};
+use crate::image;
+use crate::light::{
+    Area, Directional, DiscArea, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
+    SphereLight, Spot, spot_cosines,
+};
+use crate::material::Material;
+use crate::math::{Aabb, Rgb};
+use crate::scene::build::{Builder, forms, number, steps};
+use crate::scene::description::{self, Located, Normals, Sky, Step};
+use std::path::PathBuf;
+
+impl Builder {
+    pub(super) fn add_lights(&mut self, lights: &[Located<description::Light>]) {
+        use description::Light as Described;
+        for light in lights {
+            match &light.value {
+                &Described::Point { position, intensity } => {
+                    self.add_light(Light::Point(Point { position: position.into(), intensity }));
+                }
+                &Described::Spot { position, at, intensity, angle_deg, softness } => {
+                    let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
+                    let axis = (at - position).normalize().into();
+                    let position = position.into();
+                    self.add_light(Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }));
+                }
+                &Described::Directional { direction, irradiance } => {
+                    let direction = direction.normalize().into();
+                    self.add_light(Light::Directional(Directional { direction, irradiance }));
+                }
+                &Described::Rectangle { center, edge_u, edge_v, radiance } => {
+                    let surface = RectangleArea::new(center, edge_u, edge_v);
+                    let light = Light::Rectangle(Area { surface, radiance, two_sided: false });
+                    self.add_shining(Shape::Mesh(forms::rectangle(center, edge_u, edge_v)), light, radiance);
+                }
+                &Described::Disc { center, normal, radius, radiance } => {
+                    let normal = normal.normalize();
+                    let surface = DiscArea::new(center, normal, radius);
+                    let light = Light::Disc(Area { surface, radiance, two_sided: false });
+                    self.add_shining(Shape::Disc(Disc { center, normal, radius }), light, radiance);
+                }
+                &Described::Sphere { center, radius, radiance } => {
+                    let light = Light::Sphere(SphereLight { center: center.into(), radius, radiance });
+                    self.add_shining(Shape::Sphere(Sphere { center, radius }), light, radiance);
+                }
+                Described::Mesh { file, radiance, transform } => {
+                    self.add_mesh_light(file, *radiance, transform, &light.place);
+                }
+                Described::Environment { scale, rotate_deg, sky } => {
+                    self.add_environment(sky, *scale, rotate_deg.to_radians(), &light.place);
+                }
+            }
+        }
+    }
+
+    /// Adds a light with its surface; without power it is a black surface.
+    fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>) {
+        let material = self.add_material(Material::Emission { radiance, two_sided: false });
+        let shape = self.world.add_shape(shape);
+        let placement = self.place(shape, None, vec![material]);
+        self.surfaces[placement.index()].light = self.add_light(light);
+    }
+
+    fn add_mesh_light(
+        &mut self,
+        file: &Located<PathBuf>,
+        radiance: Rgb<f32>,
+        transform: &[Located<Step>],
+        place: &Place,
+    ) {
+        let Some(loaded) = self.mesh_of_file(file, Normals::Flat) else { return };
+        let shape = Shape::Mesh(loaded.mesh);
+        let bounds =
+            |map: &glam::Affine3A| forms::moved(&shape, map).map_or(Aabb::EMPTY, |moved| moved.bounds());
+        let map = match steps::transform(transform, bounds) {
+            Ok(map) => map,
+            Err(problem) => return self.problems.push(problem),
+        };
+        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &map) else { return };
+        let triangles = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
+        match MeshArea::new(triangles) {
+            Ok(surface) => {
+                let light = Light::Mesh(Area { surface, radiance, two_sided: false });
+                let groups = mesh.group_count();
+                self.add_shining(Shape::Mesh(mesh), light, radiance);
+                // A file's own materials do not matter to a light.
+                if let Some(surface) = self.surfaces.last_mut() {
+                    surface.materials = vec![surface.materials[0]; groups];
+                }
+            }
+            Err(error) => self.problems.push(Problem::at(place.clone(), format!("a mesh light: {error}"))),
+        }
+    }
+
+    fn add_environment(&mut self, sky: &Sky, scale: f32, rotation: f32, place: &Place) {
+        if self.environment.is_some() {
+            let problem = Problem::at(place.clone(), "a second environment");
+            return self.problems.push(problem.remedy("keep one: there is only one infinity"));
+        }
+        let environment = match sky {
+            Sky::Constant { radiance } => Environment::Constant(radiance.scale(scale)),
+            Sky::File { file } => {
+                let decoded = match image::read(&file.value) {
+                    Ok(decoded) => decoded,
+                    Err(crate::error::Error::Input(problems)) => {
+                        return problems.0.into_iter().for_each(|problem| self.problems.push(problem));
+                    }
+                    Err(error) => {
+                        return self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                    }
+                };
+                self.warnings.extend(decoded.warnings);
+                match EnvironmentMap::new(decoded.image, scale, rotation) {
+                    Ok(map) => Environment::Map(Box::new(map)),
+                    Err(error) => {
+                        let what = format!("{}: cannot light a scene: {error}", file.value.display());
+                        return self.problems.push(Problem::at(file.place.clone(), what));
+                    }
+                }
+            }
+        };
+        self.environment = self.add_light(Light::Environment(environment));
+    }
+}

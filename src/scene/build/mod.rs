@@ -1,0 +1,105 @@
+//! From a description to a frozen scene: files are read here, and everything a description cannot know about them is
+//! checked, all problems at once.
+//!
+//! What the scene does not need is left out: shapes that stand still in one place are moved there once instead of being
+//! instanced, lights without power are dropped, shadow rays look for glass only where there is some.
+
+mod forms;
+mod lights;
+mod materials;
+mod shapes;
+mod steps;
+
+use crate::camera::Pinhole;
+use crate::error::{Problem, Problems, Result};
+use crate::geometry::{PlacementId, ShapeId, World};
+use crate::light::{Light, LightId};
+use crate::material::{Material, MaterialId};
+use crate::math::Transform;
+use crate::scene::Scene;
+use crate::scene::description::{Camera, Description, GlassShadows};
+use crate::scene::frozen::Surface;
+use std::sync::Arc;
+
+/// A scene, and what was odd about its files.
+#[derive(Debug)]
+pub struct Built {
+    /// The scene.
+    pub scene: Scene,
+    /// What was odd, but not wrong.
+    pub warnings: Vec<Problem>,
+}
+
+/// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
+pub fn build(description: &Description) -> Result<Built> {
+    let mut builder = Builder::default();
+    builder.add_materials(&description.materials);
+    builder.add_shapes(&description.shapes);
+    builder.add_lights(&description.lights);
+    let film = description.film.clone();
+    let Camera::Perspective { from, at, up, vfov_deg } = description.camera.value;
+    let camera = Pinhole::new([from, at, up], vfov_deg.to_radians(), [film.width, film.height]);
+    let has_glass = builder.materials.iter().any(|material| material.medium().is_some());
+    let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
+    let scene = Scene {
+        world: Arc::new(builder.world),
+        materials: builder.materials,
+        lights: builder.lights,
+        camera,
+        film,
+        render: description.render.clone(),
+        glass_shadows,
+        surfaces: builder.surfaces,
+        environment: builder.environment,
+    };
+    builder.problems.into_result(Built { scene, warnings: builder.warnings })
+}
+
+/// A scene under way.
+#[derive(Debug, Default)]
+struct Builder {
+    world: World,
+    surfaces: Vec<Surface>,
+    materials: Vec<Material>,
+    /// Names of the scene's own materials, by number; those of mesh files follow without names.
+    material_names: Vec<String>,
+    lights: Vec<Light>,
+    environment: Option<LightId>,
+    problems: Problems,
+    warnings: Vec<Problem>,
+}
+
+impl Builder {
+    fn add_material(&mut self, material: Material) -> MaterialId {
+        let id = MaterialId(number(self.materials.len()));
+        self.materials.push(material);
+        id
+    }
+
+    /// Adds a light, unless it is without power.
+    fn add_light(&mut self, light: Light) -> Option<LightId> {
+        if light.power(1.0) <= 0.0 {
+            return None;
+        }
+        let id = LightId(number(self.lights.len()));
+        self.lights.push(light);
+        Some(id)
+    }
+
+    /// Places a shape made of `materials`, one per group.
+    fn place(
+        &mut self,
+        shape: ShapeId,
+        transform: Option<Transform>,
+        materials: Vec<MaterialId>,
+    ) -> PlacementId {
+        self.surfaces.push(Surface { materials, light: None });
+        self.world.place(shape, transform)
+    }
+}
+
+/// # Panics
+/// Beyond 2^32 of anything.
+fn number(len: usize) -> u32 {
+    u32::try_from(len).expect("fewer than 2^32 of a kind")
+}

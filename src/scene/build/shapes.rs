@@ -1,0 +1,245 @@
+//! Shapes and their instances.
+
+use crate::error::{Error, Place, Problem};
+use crate::geometry::{Disc, PlacementId, Shape, ShapeId, Sphere};
+use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
+use crate::material::{Material, MaterialId};
+use crate::math::{Aabb, Rgb, Transform};
+use crate::scene::build::{Builder, forms, steps};
+use crate::scene::description::{self, Form, Located, Normals, Step};
+use crate::scene::load::{LoadedMesh, load_obj};
+use glam::Affine3A;
+use std::collections::{HashMap, HashSet};
+use std::path::PathBuf;
+
+/// A described shape, made.
+struct Made {
+    shape: Shape,
+    /// A material per group.
+    materials: Vec<MaterialId>,
+}
+
+/// A shape that others are instances of: in the world once, placed many times.
+#[derive(Clone)]
+struct Prototype {
+    shape: ShapeId,
+    materials: Vec<MaterialId>,
+    place_of_own: Affine3A,
+}
+
+impl Builder {
+    pub(super) fn add_shapes(&mut self, shapes: &[Located<description::Shape>]) {
+        let by_name: HashMap<&str, &Located<description::Shape>> =
+            shapes.iter().filter_map(|shape| Some((shape.name.as_ref()?.value.as_str(), shape))).collect();
+        let instanced: HashSet<&str> = shapes
+            .iter()
+            .filter_map(|shape| match &shape.form {
+                Form::Instance { of } => Some(root_of(&by_name, &of.value)),
+                _ => None,
+            })
+            .collect();
+        let mut prototypes = HashMap::new();
+        for shape in shapes.iter().filter(|shape| !matches!(shape.form, Form::Instance { .. })) {
+            let name = shape.name.as_ref().map(|name| name.value.as_str());
+            let is_prototype = name.is_some_and(|name| instanced.contains(name));
+            if shape.hidden && !is_prototype {
+                continue;
+            }
+            if let Some(prototype) = self.add_shape(shape, is_prototype)
+                && let Some(name) = name
+            {
+                prototypes.insert(name, prototype);
+            }
+        }
+        for shape in
+            shapes.iter().filter(|shape| matches!(shape.form, Form::Instance { .. }) && !shape.hidden)
+        {
+            self.add_instance(shape, &by_name, &prototypes);
+        }
+    }
+
+    fn add_shape(
+        &mut self,
+        described: &Located<description::Shape>,
+        is_prototype: bool,
+    ) -> Option<Prototype> {
+        let Made { shape, materials } = self.make(described)?;
+        let map = self.carried(&described.transform, &shape)?;
+        if !is_prototype && let Some(moved) = forms::moved(&shape, &map) {
+            let id = self.world.add_shape(moved);
+            let placement = self.place(id, None, materials);
+            self.light_up(placement, &described.place);
+            return None;
+        }
+        let id = self.world.add_shape(shape);
+        if !described.hidden {
+            let placement = self.place(id, Transform::new(map), materials.clone());
+            self.light_up(placement, &described.place);
+        }
+        Some(Prototype { shape: id, materials, place_of_own: map })
+    }
+
+    fn add_instance(
+        &mut self,
+        described: &Located<description::Shape>,
+        by_name: &HashMap<&str, &Located<description::Shape>>,
+        prototypes: &HashMap<&str, Prototype>,
+    ) {
+        // From the instance down to the prototype; the transform of the prototype comes first.
+        let mut chain = vec![described];
+        while let Form::Instance { of } = &chain[chain.len() - 1].form {
+            let Some(next) = by_name.get(of.value.as_str()) else { return };
+            chain.push(next);
+        }
+        let root = chain.pop().and_then(|root| root.name.as_ref());
+        let Some(prototype) = root.and_then(|name| prototypes.get(name.value.as_str())) else { return };
+        let shape = self.world.shapes[prototype.shape.index()].clone();
+        let mut map = prototype.place_of_own;
+        for link in chain.iter().rev() {
+            let bounds = |so_far: &Affine3A| bounds_of(&shape, &(*so_far * map));
+            match steps::transform(&link.transform, bounds) {
+                Ok(own) => map = own * map,
+                Err(problem) => return self.problems.push(problem),
+            }
+        }
+        let own = chain.iter().find_map(|link| link.material.as_ref());
+        let materials = match own.and_then(|name| self.material_named(&name.value)) {
+            Some(id) => vec![id; prototype.materials.len()],
+            None => prototype.materials.clone(),
+        };
+        let placement = self.place(prototype.shape, Transform::new(map), materials);
+        self.light_up(placement, &described.place);
+    }
+
+    fn carried(&mut self, steps: &[Located<Step>], shape: &Shape) -> Option<Affine3A> {
+        match steps::transform(steps, |so_far| bounds_of(shape, so_far)) {
+            Ok(map) => Some(map),
+            Err(problem) => {
+                self.problems.push(problem);
+                None
+            }
+        }
+    }
+
+    fn make(&mut self, described: &Located<description::Shape>) -> Option<Made> {
+        let own = described.material.as_ref().and_then(|name| self.material_named(&name.value));
+        let shape = match &described.form {
+            Form::Mesh { file, normals } => return self.load_mesh(file, *normals, own),
+            &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center, radius }),
+            &Form::Disc { center, normal, radius } => {
+                Shape::Disc(Disc { center, normal: normal.normalize(), radius })
+            }
+            &Form::Rectangle { center, edge_u, edge_v } => {
+                Shape::Mesh(forms::rectangle(center, edge_u, edge_v))
+            }
+            &Form::Box { min, max } => Shape::Mesh(forms::cuboid(min, max)),
+            Form::Instance { .. } => return None,
+        };
+        Some(Made { shape, materials: vec![own?] })
+    }
+
+    /// The mesh of a file, in the material `own` or those that the file brings.
+    pub(super) fn mesh_of_file(&mut self, file: &Located<PathBuf>, normals: Normals) -> Option<LoadedMesh> {
+        match load_obj(&file.value, normals) {
+            Ok(mut loaded) => {
+                self.warnings.append(&mut loaded.warnings);
+                Some(loaded)
+            }
+            Err(Error::Input(problems)) => {
+                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
+                None
+            }
+            Err(error) => {
+                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                None
+            }
+        }
+    }
+
+    fn load_mesh(
+        &mut self,
+        file: &Located<PathBuf>,
+        normals: Normals,
+        own: Option<MaterialId>,
+    ) -> Option<Made> {
+        let loaded = self.mesh_of_file(file, normals)?;
+        let groups = loaded.mesh.group_count();
+        let materials = match own {
+            Some(id) => vec![id; groups],
+            None => loaded.materials.iter().map(|named| self.material_of_file(named)).collect(),
+        };
+        Some(Made { shape: Shape::Mesh(loaded.mesh), materials })
+    }
+
+    fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {
+        let material = self.material(&named.value);
+        self.add_material(material)
+    }
+
+    fn material_named(&self, name: &str) -> Option<MaterialId> {
+        let index = self.material_names.iter().position(|known| known == name)?;
+        Some(MaterialId(super::number(index)))
+    }
+
+    /// Makes a light of a placement whose material emits.
+    fn light_up(&mut self, placement: PlacementId, place: &Place) {
+        let materials = self.surfaces[placement.index()].materials.clone();
+        let emits = |id: &MaterialId| matches!(self.materials[id.index()], Material::Emission { .. });
+        let Some(&first) = materials.iter().find(|id| emits(id)) else { return };
+        if materials.iter().any(|id| *id != first) {
+            let what = "a mesh that emits in some of its groups only cannot be asked for light";
+            let problem = Problem::at(place.clone(), what);
+            return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
+        }
+        let Material::Emission { radiance, two_sided } = self.materials[first.index()] else { return };
+        match self.light_at(placement, radiance, two_sided) {
+            Ok(light) => self.surfaces[placement.index()].light = self.add_light(light),
+            Err(what) => self.problems.push(Problem::at(place.clone(), what)),
+        }
+    }
+
+    fn light_at(&self, placement: PlacementId, radiance: Rgb<f32>, two_sided: bool) -> Result<Light, String> {
+        let map = self.world.placements[placement.index()].transform.map(|t| *t.world_from_object());
+        let shape = self.world.shape_of(placement);
+        let moved = match map {
+            None => shape.clone(),
+            Some(map) => forms::moved(shape, &map)
+                .ok_or("an emitting sphere or disc can be moved, turned and scaled alike on all axes only; use a mesh")?,
+        };
+        Ok(match moved {
+            Shape::Sphere(Sphere { center, radius }) => {
+                Light::Sphere(SphereLight { center: center.into(), radius, radiance })
+            }
+            Shape::Disc(Disc { center, normal, radius }) => {
+                Light::Disc(Area { surface: DiscArea::new(center, normal, radius), radiance, two_sided })
+            }
+            Shape::Mesh(mesh) => {
+                let triangles = (0..super::number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
+                let surface =
+                    MeshArea::new(triangles).map_err(|error| format!("an emitting mesh: {error}"))?;
+                Light::Mesh(Area { surface, radiance, two_sided })
+            }
+        })
+    }
+}
+
+/// The name of the shape at the end of a chain of instances.
+fn root_of<'a>(by_name: &HashMap<&'a str, &'a Located<description::Shape>>, name: &'a str) -> &'a str {
+    let mut name = name;
+    // References were checked to exist and not to run in circles.
+    while let Some(Form::Instance { of }) = by_name.get(name).map(|shape| &shape.form) {
+        name = &of.value;
+    }
+    name
+}
+
+/// The box of a shape under a map; exact for meshes.
+fn bounds_of(shape: &Shape, map: &Affine3A) -> Aabb {
+    match shape {
+        Shape::Mesh(mesh) => {
+            let used = mesh.triangles().iter().flatten();
+            Aabb::around(used.map(|&i| map.transform_point3(mesh.positions()[i as usize])))
+        }
+        _ => Transform::new(*map).map_or(Aabb::EMPTY, |t| t.aabb(shape.bounds())),
+    }
+}
