@@ -2,7 +2,7 @@
 
 use crate::bsdf::mirror::reflection;
 use crate::bsdf::{Branch, BsdfSample, fresnel, microfacet::Ggx};
-use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// A polished metal.

@@ -2,7 +2,7 @@
 
 use crate::bsdf::mirror::reflection;
 use crate::bsdf::{Branch, fresnel};
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// A smooth interface.

@@ -1,7 +1,7 @@
 //! Lambert's lobe.
 
 use crate::bsdf::BsdfSample;
-use crate::math::lanes::{Compare, Lanes, Select};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 use crate::sampling::warp;
 use std::f32::consts::FRAC_1_PI;

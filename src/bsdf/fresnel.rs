@@ -4,7 +4,7 @@
 //! small: near-matched indices keep seven digits where the textbook's form keeps none.
 
 use crate::math::Rgb;
-use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use crate::math::lanes::Lanes;
 
 /// What happens at a dielectric interface.
 #[derive(Clone, Copy, Debug)]

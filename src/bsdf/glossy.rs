@@ -7,7 +7,7 @@
 
 use crate::bsdf::BsdfSample;
 use crate::bsdf::mirror::mirrored;
-use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use crate::math::lanes::{Lanes, Select};
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampling::warp;
 use std::f32::consts::TAU;

@@ -5,7 +5,7 @@
 //! is a mirror, since the lobe is then narrower than the rounding of a unit vector.
 
 use crate::math::Vec3;
-use crate::math::lanes::{Compare, Lanes, MaskLanes, Select};
+use crate::math::lanes::Lanes;
 use std::f32::consts::FRAC_1_PI;
 
 /// Below this roughness a surface is treated as polished.

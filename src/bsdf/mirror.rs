@@ -1,7 +1,7 @@
 //! The mirror: one direction, one colour.
 
 use crate::bsdf::Branch;
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// Reflects a constant fraction at every angle: the simplest metal.

@@ -4,7 +4,7 @@
 //! lights that subtend less than about half a radian; larger and nearer ones are right but noisy.
 
 use crate::light::{Emitter, LightSample, Reference, per_lane};
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Table1d, TableError, warp};
 use std::f32::consts::PI;

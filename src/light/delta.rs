@@ -1,7 +1,7 @@
 //! Lights that a ray cannot meet by chance: points and parallel light.
 
 use crate::light::{LightSample, Reference};
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 use std::f32::consts::{PI, TAU};
 

@@ -6,7 +6,7 @@
 
 use crate::image::Image;
 use crate::light::{LightSample, Reference, per_lane};
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampling::{Table2d, TableError, warp};
 use std::f32::consts::{FRAC_1_PI, PI, TAU};

@@ -1,7 +1,7 @@
 //! Spherical lights, sampled by solid angle.
 
 use crate::light::{LightSample, Reference};
-use crate::math::lanes::{Compare, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampling::warp;
 use std::f32::consts::PI;
