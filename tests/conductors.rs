@@ -68,6 +68,7 @@ enum Source {
     LorentzDrude(f64, [f64; 2], [[f64; 3]; 4]),
 }
 
+#[expect(clippy::approx_constant, reason = "a measured frequency happens to be near pi")]
 const METALS: [(&str, Source); 10] = [
     ("Ag", Source::Table("Ag-McPeak")),
     ("Al", Source::Table("Al-Rakic")),
@@ -103,7 +104,7 @@ fn spectrum(source: &Source) -> Option<Spectrum> {
         Source::Table(name) => tabulated(name),
         Source::LorentzDrude(plasma, drude, lorentz) => Some(
             WAVELENGTHS
-                .map(|nm| lorentz_drude(1239.841_98 / f64::from(nm), *plasma, drude, lorentz))
+                .map(|nm| lorentz_drude(1_239.841_98 / f64::from(nm), *plasma, drude, lorentz))
                 .collect(),
         ),
     }
@@ -115,6 +116,7 @@ fn data() -> PathBuf {
 }
 
 /// Linear interpolation of the rows of three numbers in a file of the refractiveindex.info database.
+#[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
 fn tabulated(name: &str) -> Option<Spectrum> {
     let path = data().join("optics/nk").join(format!("{name}.yml"));
     let Ok(text) = std::fs::read_to_string(&path) else {
@@ -328,7 +330,7 @@ fn tints_keep_the_reflectance() {
         for tint in [0.0_f32, 0.3, 0.9, 1.0, 2.0, f32::NAN] {
             let (eta, k) = conductors::from_reflectance(Rgb::gray(r), Rgb::gray(tint));
             let found = reflectance([f64::from(eta.g), f64::from(k.g)], 1.0);
-            let wanted = f64::from(r.max(0.0).min(0.999));
+            let wanted = if r.is_nan() { 0.0 } else { f64::from(r.clamp(0.0, 0.999)) };
             assert!((found - wanted).abs() < 1e-5, "reflectance {r}, tint {tint}: {found} by {eta:?}, {k:?}");
             assert!(eta.r > 0.0 && eta.r.is_finite() && k.r >= 0.0 && k.r.is_finite(), "{eta:?}, {k:?}");
         }

@@ -41,12 +41,13 @@
 //! * Aluminium: a critical analysis of many films by Kramers-Kronig consistency.
 //! * Chromium, iron, nickel, titanium: the one series of this quality.
 //! * Platinum, tungsten: a model fitted to handbook data. The tabulated measurements by electron energy loss (Werner et
-//!   al. 2009) give platinum 0.95 and tungsten 0.82 in green where optical ones give 0.64 and 0.50; they are good in the far
+//!   al. 2009) give platinum 0.93 and tungsten 0.82 in green where optical ones give 0.64 and 0.50; they are good in the far
 //!   ultraviolet, not here.
 //!
 //! `tests/conductors.rs` recomputes the table and the errors.
 
 use crate::math::Rgb;
+use crate::math::lanes::Lanes;
 
 /// A complex index of refraction per channel, relative to vacuum.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,9 +136,9 @@ pub fn from_reflectance(reflectance: Rgb<f32>, edge_tint: Rgb<f32>) -> (Rgb<f32>
 /// eta and k of one channel.
 #[expect(clippy::cast_possible_truncation, reason = "rounding; eta is below 4000 and k below 2000")]
 fn channel_from_reflectance(reflectance: f32, edge_tint: f32) -> [f32; 2] {
-    // In this order NaN becomes 0.
-    let r = f64::from(reflectance.max(0.0).min(MAX_REFLECTANCE));
-    let tint = f64::from(edge_tint.max(0.0).min(1.0));
+    // Unlike the inherent function, this one makes NaN the lower end.
+    let r = f64::from(Lanes::clamp(reflectance, 0.0, MAX_REFLECTANCE));
+    let tint = f64::from(Lanes::clamp(edge_tint, 0.0, 1.0));
     let low = (1.0 - r) / (1.0 + r);
     let high = (1.0 + r.sqrt()) / (1.0 - r.sqrt());
     let eta = tint * low + (1.0 - tint) * high;
