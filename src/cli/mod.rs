@@ -1,1 +1,80 @@
 //! From words to calls.
+//!
+//! Words become [`Args`], as typed; those become options, validated, all problems at once; those become calls. Results go
+//! to standard output, progress and log to standard error. Flags that set what a scene file can set are overrides of it:
+//! the same checks, the same messages.
+
+mod args;
+mod documents;
+mod interrupt;
+mod log;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod statistics;
+
+use std::ffi::OsString;
+use std::process::ExitCode;
+
+use clap::Parser as _;
+
+pub use args::{Args, Command, CompletionsArgs, LogFormat, LogLevel, ManArgs, RenderArgs};
+
+use crate::error::{Error, Result};
+
+/// What the words of the command line say, or the status to exit with after clap has shown help or what is wrong.
+pub fn parse(words: impl IntoIterator<Item = OsString>) -> std::result::Result<Args, ExitCode> {
+    Args::try_parse_from(words).map_err(|error| {
+        // Nobody is left to tell if showing it fails.
+        let _ = error.print();
+        if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
+    })
+}
+
+/// Does what was asked for.
+pub fn run(args: Args) -> Result<()> {
+    match args.command {
+        Command::Render(args) => render::run(&args),
+        Command::Schema => documents::schema(),
+        Command::Completions(args) => documents::completions(args.shell),
+        Command::Man(args) => documents::man(args.dir.as_deref()),
+    }
+}
+
+/// Tells what stopped the command, and the status to exit with: 1 failed while running, 2 wrong input, 130 interrupted.
+pub fn fail(error: &Error) -> ExitCode {
+    log::start_if_not_yet();
+    match error {
+        Error::Input(problems) => problems.0.iter().for_each(|problem| tracing::error!("{problem}")),
+        other => tracing::error!("{}", chain(other)),
+    }
+    ExitCode::from(match error {
+        Error::Input(_) => 2,
+        Error::Io { .. } | Error::Backend { .. } => 1,
+        Error::Interrupted => 130,
+    })
+}
+
+/// The message of an error and of what caused it, down to the root.
+fn chain(error: &Error) -> String {
+    let mut text = error.to_string();
+    let mut source = std::error::Error::source(error);
+    while let Some(cause) = source {
+        text = format!("{text}: {cause}");
+        source = cause.source();
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_chain_goes_down_to_the_root() {
+        let source = std::io::Error::other("disk full");
+        let error = Error::Io { path: "a.exr".into(), what: "cannot write", source };
+        assert_eq!(chain(&error), "a.exr: cannot write: disk full", "chain");
+    }
+}

@@ -27,47 +27,60 @@ pub(super) struct Plan<'a> {
 }
 
 /// All samples of the window, on the threads of the current pool.
-pub(super) fn trace<A: Accel, I: Integrator>(plan: &Plan<'_>, accel: &A, integrator: &I) -> Result<(Film, Counters)> {
+pub(super) fn trace<A: Accel, I: Integrator>(
+    plan: &Plan<'_>,
+    accel: &A,
+    integrator: &I,
+) -> Result<(Film, Counters)> {
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
     let stage = Stage { scene, accel, eye_media: eye::media(scene, accel) };
     let sums = Mutex::new((Film::new(full, plan.window, Layout::default()), Counters::default()));
     let total = plan.window.area() as u64 * u64::from(scene.render.spp);
     let done = AtomicU64::new(0);
-    tiles(plan.window).into_par_iter().try_for_each(|window| {
-        if plan.progress.is_cancelled() {
-            return Err(Error::Interrupted);
-        }
-        let (tile, counters) = plan.tile(window, &stage, integrator);
-        {
-            let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
-            sums.0.add(&tile);
-            sums.1 += counters;
-        }
-        let own = window.area() as u64 * u64::from(scene.render.spp);
-        plan.progress.advance(done.fetch_add(own, Ordering::Relaxed) + own, total);
+    tiles(plan.window).into_par_iter().try_for_each(|window| -> Result<()> {
+        let advance = |samples| {
+            plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
+        };
+        let (tile, counters) = plan.tile(window, &stage, integrator, &advance)?;
+        let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
+        sums.0.add(&tile);
+        sums.1 += counters;
         Ok(())
     })?;
     Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
 impl Plan<'_> {
-    fn tile<A: Accel, I: Integrator>(&self, window: Window, stage: &Stage<'_, A>, integrator: &I) -> (Tile, Counters) {
+    /// All samples of a tile; `advance` is told their number row by row, and each pixel asks whether to stop: at many
+    /// samples a tile takes minutes.
+    fn tile<A: Accel, I: Integrator>(
+        &self,
+        window: Window,
+        stage: &Stage<'_, A>,
+        integrator: &I,
+        advance: &dyn Fn(u64),
+    ) -> Result<(Tile, Counters)> {
         let mut tile = Tile::new(window, Layout::default());
         let mut worker = Worker::default();
         for y in window.y0..window.y1 {
             for x in window.x0..window.x1 {
+                if self.progress.is_cancelled() {
+                    return Err(Error::Interrupted);
+                }
                 for index in 0..self.scene.render.spp {
                     let sampler = self.sampler.start(self.seed, [x, y], index);
-                    let FilterSample { offset, weight } = self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
+                    let FilterSample { offset, weight } =
+                        self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
                     let ray = self.scene.camera.ray([center(x) + offset[0], center(y) + offset[1]]);
                     let found = integrator.li(stage, &ray, &sampler, &mut worker);
                     let color = found.color;
                     tile.add(SampleId { x, y, index }, weight, &[color.r, color.g, color.b, found.alpha]);
                 }
             }
+            advance(u64::from(window.width()) * u64::from(self.scene.render.spp));
         }
-        (tile, worker.counters)
+        Ok((tile, worker.counters))
     }
 }
 

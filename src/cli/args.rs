@@ -1,0 +1,215 @@
+//! The command line as typed: words, and help beside them.
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
+use clap::{Arg, Parser, Subcommand, ValueEnum, ValueHint};
+use clap_complete::Shell;
+
+use crate::scene::description::{Backend, Integrator, Sampler, View};
+
+/// An offline ray tracer for shiny things.
+#[derive(Clone, Debug, Parser)]
+#[command(name = "specula", version, propagate_version = true, max_term_width = 100)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What can be done.
+#[derive(Clone, Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to EXR and PNG
+    Render(Box<RenderArgs>),
+    /// Print the JSON Schema of the scene file
+    Schema,
+    /// Print a completion script for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write those of all commands
+    Man(ManArgs),
+}
+
+/// What to render, and how.
+#[derive(Clone, Debug, clap::Args)]
+pub struct RenderArgs {
+    /// The scene file (TOML)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+
+    /// Write the picture to FILE; .exr is scene-linear, .png a preview. May be given several times
+    ///
+    /// Without it, the picture is written to the current directory under the name of the scene file, as .exr and as
+    /// .png.
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Vec<PathBuf>,
+
+    /// Samples per pixel
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub spp: Option<String>,
+
+    /// What to compute
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Integrator::ALL, Integrator::word))]
+    pub integrator: Option<String>,
+
+    /// What the integrator `view` shows; chooses that integrator unless --integrator is given too
+    #[arg(long, value_name = "NAME", value_parser = Words::of(View::ALL, View::word))]
+    pub view: Option<String>,
+
+    /// What finds hits
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
+    pub backend: Option<String>,
+
+    /// Where samples fall
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Sampler::ALL, Sampler::word))]
+    pub sampler: Option<String>,
+
+    /// Columns of the picture
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub width: Option<String>,
+
+    /// Rows of the picture
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub height: Option<String>,
+
+    /// Longest path followed, in edges: 1 sees emission only, 2 adds direct light
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub max_depth: Option<String>,
+
+    /// Do not follow branches that carry less than this part of what reaches the pixel
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub min_throughput: Option<String>,
+
+    /// Render only these pixels, the upper ends excluded
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
+    pub crop: Option<String>,
+
+    /// Another seed gives another, equally valid noise
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub seed: Option<String>,
+
+    /// Threads to use; as many as there are processors if not given
+    #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+
+    /// Store colour in EXR files as 16-bit floats
+    #[arg(long)]
+    pub half: bool,
+
+    /// Write times, rays and counts to FILE as JSON
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub stats: Option<PathBuf>,
+
+    /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
+    #[arg(short = 'D', value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+
+    /// Show no progress, only warnings and errors
+    #[arg(short, long)]
+    pub quiet: bool,
+
+    /// How log lines on standard error are written
+    #[arg(long, value_name = "FORMAT", default_value = "text")]
+    pub log_format: LogFormat,
+
+    /// The least important log lines to show [default: info, or warn with --quiet]
+    #[arg(long, value_name = "LEVEL")]
+    pub log_level: Option<LogLevel>,
+}
+
+/// Which shell to complete for.
+#[derive(Clone, Debug, clap::Args)]
+pub struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub shell: Shell,
+}
+
+/// Where manual pages go.
+#[derive(Clone, Debug, clap::Args)]
+pub struct ManArgs {
+    /// Write the pages of all commands to files in DIR
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub dir: Option<PathBuf>,
+}
+
+/// How log lines are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum LogFormat {
+    /// For people
+    #[default]
+    Text,
+    /// One JSON object a line
+    Json,
+}
+
+/// How important a log line is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LogLevel {
+    /// What stops the command
+    Error,
+    /// What is allowed but hardly meant
+    Warn,
+    /// What was done
+    Info,
+    /// How
+    Debug,
+    /// Everything
+    Trace,
+}
+
+/// Any string; the words that make sense are shown in help and completed by shells. Wrong ones are left to the check of
+/// the scene file, so that all problems are told at once and alike.
+#[derive(Clone, Debug)]
+struct Words(Vec<&'static str>);
+
+impl Words {
+    fn of<T: Copy>(all: &[T], word: impl Fn(T) -> &'static str) -> Self {
+        Self(all.iter().map(|&value| word(value)).collect())
+    }
+}
+
+impl TypedValueParser for Words {
+    type Value = String;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        argument: Option<&Arg>,
+        value: &OsStr,
+    ) -> Result<String, clap::Error> {
+        StringValueParser::new().parse_ref(command, argument, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.iter().copied().map(PossibleValue::new)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory as _;
+
+    #[test]
+    fn the_declarations_are_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn words_are_shown_but_not_enforced() {
+        let args =
+            Args::try_parse_from(["specula", "render", "a.toml", "--backend", "abacus"]).expect("accepted");
+        let Command::Render(args) = args.command else { panic!("another command") };
+        assert_eq!(args.backend.as_deref(), Some("abacus"), "kept for the check of the scene");
+        let help = Args::try_parse_from(["specula", "render", "-h"]).expect_err("help").to_string();
+        assert!(help.contains("[possible values: embree, brute]"), "{help}");
+    }
+
+    #[test]
+    fn negative_numbers_are_values() {
+        let words = ["specula", "render", "a.toml", "--spp", "-1", "--crop", "-1,0,2,2"];
+        assert!(Args::try_parse_from(words).is_ok(), "left to later checks");
+    }
+}

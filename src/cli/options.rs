@@ -1,0 +1,223 @@
+//! The command line as meant: checked, with defaults resolved.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use super::args::RenderArgs;
+use crate::error::{Error, Place, Problem, Problems, Result};
+use crate::film::Precision;
+use crate::image::{Format, Window, atomic};
+
+/// Most threads that make any sense on any machine; more is a slip of the hand.
+const MOST_THREADS: usize = 4096;
+
+/// What `render` is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct RenderOptions {
+    pub(super) scene: PathBuf,
+    pub(super) outputs: Vec<Output>,
+    /// What replaces values of the scene file, in this order.
+    pub(super) overrides: Vec<String>,
+    pub(super) crop: Option<Window>,
+    pub(super) threads: Option<NonZeroUsize>,
+    pub(super) precision: Precision,
+    pub(super) stats: Option<PathBuf>,
+}
+
+/// A file to write.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Output {
+    pub(super) path: PathBuf,
+    pub(super) format: Format,
+}
+
+impl RenderOptions {
+    /// What those words mean; all that is wrong with them at once.
+    pub(super) fn new(args: &RenderArgs) -> Result<Self> {
+        let mut problems = Problems::default();
+        let outputs = outputs(args, &mut problems);
+        if let Some(path) = &args.stats {
+            check_target(path, &mut problems);
+            if outputs.iter().any(|output| output.path == *path) {
+                problems.push(twice(path));
+            }
+        }
+        let options = Self {
+            scene: args.scene.clone(),
+            outputs,
+            overrides: overrides(args),
+            crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
+            threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            precision: if args.half { Precision::Half } else { Precision::Float },
+            stats: args.stats.clone(),
+        };
+        problems.into_result(options)
+    }
+}
+
+/// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
+fn overrides(args: &RenderArgs) -> Vec<String> {
+    let view_implied = args.view.as_ref().filter(|_| args.integrator.is_none()).map(|_| "view".to_owned());
+    let keys = [
+        ("render.spp", args.spp.as_ref()),
+        ("render.integrator", args.integrator.as_ref().or(view_implied.as_ref())),
+        ("render.view", args.view.as_ref()),
+        ("render.backend", args.backend.as_ref()),
+        ("render.sampler", args.sampler.as_ref()),
+        ("film.width", args.width.as_ref()),
+        ("film.height", args.height.as_ref()),
+        ("render.max_depth", args.max_depth.as_ref()),
+        ("render.min_throughput", args.min_throughput.as_ref()),
+        ("render.seed", args.seed.as_ref()),
+    ];
+    let flags = keys.iter().filter_map(|(key, value)| value.map(|value| format!("{key}={value}")));
+    args.overrides.iter().cloned().chain(flags).collect()
+}
+
+/// The files asked for, or one of each kind named after the scene.
+fn outputs(args: &RenderArgs, problems: &mut Problems) -> Vec<Output> {
+    let paths = if args.output.is_empty() {
+        let stem = args.scene.file_stem().unwrap_or("picture".as_ref());
+        ["exr", "png"].map(|extension| with_extension(stem.as_ref(), extension)).to_vec()
+    } else {
+        args.output.clone()
+    };
+    let mut outputs: Vec<Output> = Vec::new();
+    for path in paths {
+        match Format::of(&path) {
+            Err(error) => push(problems, error),
+            Ok(_) if outputs.iter().any(|output| output.path == path) => problems.push(twice(&path)),
+            Ok(format) => {
+                check_target(&path, problems);
+                outputs.push(Output { path, format });
+            }
+        }
+    }
+    outputs
+}
+
+/// `stem` with an extension more, whatever dots it has.
+fn with_extension(stem: &Path, extension: &str) -> PathBuf {
+    let mut name = stem.as_os_str().to_owned();
+    name.push(".");
+    name.push(extension);
+    name.into()
+}
+
+fn check_target(path: &Path, problems: &mut Problems) {
+    if let Err(error) = atomic::check_target(path) {
+        push(problems, error);
+    }
+}
+
+fn twice(path: &Path) -> Problem {
+    on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
+}
+
+fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
+    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let window = match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1]) => Some(Window { x0, y0, x1, y1 }).filter(|window| !window.is_empty()),
+        _ => None,
+    };
+    if window.is_none() {
+        problems.push(
+            on_command_line(format!("`--crop {text}` is not a rectangle of pixels"))
+                .remedy("give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left"),
+        );
+    }
+    window
+}
+
+fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
+    let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
+    if number.is_none() {
+        problems.push(
+            on_command_line(format!("`--threads {text}` is not a number of threads"))
+                .remedy(format!("give a whole number from 1 to {MOST_THREADS}")),
+        );
+    }
+    number
+}
+
+fn on_command_line(what: String) -> Problem {
+    Problem::at(Place::file("command line"), what)
+}
+
+/// Adds the problems that an error holds.
+fn push(problems: &mut Problems, error: Error) {
+    match error {
+        Error::Input(more) => problems.0.extend(more.0),
+        other => problems.push(Problem::new(other.to_string())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Args, Command};
+    use clap::Parser as _;
+
+    fn args(words: &[&str]) -> RenderArgs {
+        let words = ["specula", "render"].iter().chain(words);
+        let Command::Render(args) = Args::try_parse_from(words).expect("parsed").command else {
+            panic!("another command")
+        };
+        *args
+    }
+
+    #[test]
+    fn without_outputs_both_kinds_are_named_after_the_scene() {
+        let options = RenderOptions::new(&args(&["some/where/a.b.toml"])).expect("valid");
+        let paths: Vec<_> = options.outputs.iter().map(|o| o.path.to_string_lossy().into_owned()).collect();
+        assert_eq!(paths, ["a.b.exr", "a.b.png"], "in the current directory");
+    }
+
+    #[test]
+    fn flags_become_overrides_after_those_of_d() {
+        let words = ["a.toml", "--spp", "4", "-D", "render.spp=9", "--width", "7", "-D", "camera.vfov_deg=3"];
+        let options = RenderOptions::new(&args(&words)).expect("valid");
+        let wanted = ["render.spp=9", "camera.vfov_deg=3", "render.spp=4", "film.width=7"];
+        assert_eq!(options.overrides, wanted, "order");
+    }
+
+    #[test]
+    fn a_view_chooses_its_integrator_unless_one_is_given() {
+        let overrides = |words: &[&str]| RenderOptions::new(&args(words)).expect("valid").overrides;
+        let implied = overrides(&["a.toml", "--view", "depth"]);
+        assert_eq!(implied, ["render.integrator=view", "render.view=depth"], "implied");
+        let given = overrides(&["a.toml", "--view", "depth", "--integrator", "whitted"]);
+        assert_eq!(given, ["render.integrator=whitted", "render.view=depth"], "given");
+    }
+
+    #[test]
+    fn all_problems_are_told_at_once() {
+        let words = [
+            "a.toml",
+            "-o",
+            "a.jpg",
+            "-o",
+            "no/dir/a.png",
+            "-o",
+            "a.exr",
+            "-o",
+            "a.exr",
+            "--crop",
+            "3,0,3,9",
+            "-t0",
+        ];
+        let error = RenderOptions::new(&args(&words)).expect_err("wrong");
+        let Error::Input(problems) = error else { panic!("{error}") };
+        assert_eq!(problems.0.len(), 5, "{problems}");
+        assert!(problems.0.iter().all(|problem| problem.remedy.is_some()), "{problems}");
+    }
+
+    #[test]
+    fn crops_are_four_numbers() {
+        let parse = |text| crop(text, &mut Problems::default());
+        assert_eq!(parse("1,2, 3,4"), Some(Window { x0: 1, y0: 2, x1: 3, y1: 4 }), "with a space");
+        for text in ["", "1,2,3", "1,2,3,4,5", "-1,0,3,3", "0,0,1.5,2", "2,0,1,1", "0,0,99999999999,1"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! How far it is: a bar on a terminal, a line every few seconds elsewhere.
+
+use std::io::{self, IsTerminal as _};
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressStyle};
+
+use super::interrupt::Interrupt;
+use crate::render::Progress;
+
+/// Between lines where there is no terminal.
+const LINE_EVERY: Duration = Duration::from_secs(5);
+
+/// Between changes of the bar.
+const BAR_EVERY: Duration = Duration::from_millis(100);
+
+/// Shows progress, and passes on that somebody asked to stop.
+#[derive(Debug)]
+pub(super) struct Meter {
+    start: Instant,
+    display: Display,
+    /// When it was shown last.
+    last: Mutex<Instant>,
+    interrupt: Interrupt,
+}
+
+#[derive(Debug)]
+enum Display {
+    None,
+    Bar(ProgressBar),
+    Lines,
+}
+
+impl Meter {
+    /// Starts the clock. `quiet` shows nothing.
+    pub(super) fn new(quiet: bool, interrupt: Interrupt) -> Self {
+        let display = if quiet {
+            Display::None
+        } else if io::stderr().is_terminal() {
+            Display::Bar(bar())
+        } else {
+            Display::Lines
+        };
+        Self { start: Instant::now(), display, last: Mutex::new(Instant::now()), interrupt }
+    }
+
+    /// Takes the bar away.
+    pub(super) fn finish(&self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Meter {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+impl Progress for Meter {
+    fn advance(&self, done: u64, total: u64) {
+        let every = match &self.display {
+            Display::None => return,
+            Display::Bar(_) => BAR_EVERY,
+            Display::Lines => LINE_EVERY,
+        };
+        // A thread that finds another one at it leaves it to that one.
+        let Ok(mut last) = self.last.try_lock() else { return };
+        if last.elapsed() < every {
+            return;
+        }
+        *last = Instant::now();
+        let pace = pace(done, total, self.start.elapsed());
+        if let Display::Bar(bar) = &self.display {
+            bar.set_length(total);
+            bar.set_message(pace);
+            bar.set_position(done);
+        } else {
+            tracing::info!("{:3} %, {pace}", percent(done, total));
+        }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.interrupt.is_asked()
+    }
+}
+
+fn bar() -> ProgressBar {
+    let bar = ProgressBar::new(1);
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {percent:>3} %, {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+fn percent(done: u64, total: u64) -> u64 {
+    (done.saturating_mul(100)).checked_div(total).unwrap_or(100)
+}
+
+/// Rate and remaining time, such as `1.25 Msamples/s, 1:05 left`.
+#[expect(clippy::cast_precision_loss, reason = "three digits are shown")]
+fn pace(done: u64, total: u64, elapsed: Duration) -> String {
+    let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
+    if done == 0 {
+        return "starting".to_owned();
+    }
+    let left = Duration::try_from_secs_f64(total.saturating_sub(done) as f64 / rate).unwrap_or(Duration::MAX);
+    format!("{}samples/s, {} left", metric(rate), clock(left))
+}
+
+/// Three digits and a prefix.
+pub(super) fn metric(x: f64) -> String {
+    let (x, prefix) = match x {
+        x if x >= 1e9 => (x / 1e9, "G"),
+        x if x >= 1e6 => (x / 1e6, "M"),
+        x if x >= 1e3 => (x / 1e3, "k"),
+        x => (x, ""),
+    };
+    let digits = if x >= 100.0 {
+        0
+    } else if x >= 10.0 {
+        1
+    } else {
+        2
+    };
+    format!("{x:.digits$} {prefix}")
+}
+
+/// `1:05`, or `2:01:05` from an hour on; rounded up, so that 0:00 is the end.
+fn clock(time: Duration) -> String {
+    let seconds = time.as_secs().saturating_add(u64::from(time.subsec_nanos() > 0));
+    let (hours, minutes, seconds) = (seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if hours > 0 { format!("{hours}:{minutes:02}:{seconds:02}") } else { format!("{minutes}:{seconds:02}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pace_is_rate_and_remaining_time() {
+        let text = pace(2_500_000, 10_000_000, Duration::from_secs(2));
+        assert_eq!(text, "1.25 Msamples/s, 0:06 left", "a quarter in two seconds");
+        assert_eq!(pace(0, 10, Duration::ZERO), "starting", "nothing known");
+        assert_eq!(pace(10, 10, Duration::from_secs(1)), "10.0 samples/s, 0:00 left", "done");
+    }
+
+    #[test]
+    fn times_are_written_as_clocks() {
+        assert_eq!(clock(Duration::from_millis(64_100)), "1:05", "rounded up");
+        assert_eq!(clock(Duration::from_secs(7265)), "2:01:05", "hours");
+        assert_eq!(clock(Duration::ZERO), "0:00", "none");
+    }
+
+    #[test]
+    fn rates_have_three_digits_and_a_prefix() {
+        let texts = [0.5, 12.34, 999.0, 1234.0, 56.78e6, 123.4e9].map(metric);
+        assert_eq!(texts, ["0.50 ", "12.3 ", "999 ", "1.23 k", "56.8 M", "123 G"], "prefixes");
+    }
+
+    #[test]
+    fn a_cancelled_meter_says_so() {
+        let meter = Meter::new(true, Interrupt::default());
+        assert!(!meter.is_cancelled(), "nobody asked");
+        assert_eq!((percent(1, 3), percent(0, 0)), (33, 100), "percent");
+    }
+}

@@ -1,0 +1,124 @@
+//! The command `render`.
+
+use std::io;
+use std::path::Path;
+
+use serde_json::Value;
+
+use super::args::RenderArgs;
+use super::interrupt::Interrupt;
+use super::options::{Output, RenderOptions};
+use super::progress::{Meter, metric};
+use super::statistics::{self, Times};
+use super::{log, output};
+use crate::error::{Problem, Result};
+use crate::image::tone::{Curve, Development};
+use crate::image::{Format, atomic, exr, png};
+use crate::render::{self, Phase, Rendered, Settings};
+use crate::scene::description::Tone;
+use crate::scene::{self, Scene};
+
+/// Renders a scene to files, whose names it prints.
+pub(super) fn run(args: &RenderArgs) -> Result<()> {
+    log::start(args);
+    let interrupt = Interrupt::listen();
+    let options = RenderOptions::new(args)?;
+    limit_threads(&options);
+
+    let (loaded, load) = Phase::of(|| load(&options));
+    let scene = loaded?;
+    interrupt.check()?;
+
+    let meter = Meter::new(args.quiet, interrupt);
+    let settings = Settings { threads: options.threads, crop: options.crop };
+    let rendered = render::render(&scene, &settings, &meter);
+    meter.finish();
+    let rendered = rendered?;
+    tell(&options, &rendered);
+
+    let (written, write) = Phase::of(|| write(&options, &scene, &rendered, load));
+    written?;
+    if let Some(path) = &options.stats {
+        let report = statistics::report(&options, &scene, &rendered, Times { load, write });
+        write_json(path, &report)?;
+    }
+    output::print(names(&options).as_bytes())
+}
+
+/// Files are compressed on as many threads as there are for rendering.
+fn limit_threads(options: &RenderOptions) {
+    if let Some(threads) = options.threads {
+        let limited = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
+        if let Err(error) = limited {
+            tracing::debug!("files are written on all processors: {error}");
+        }
+    }
+}
+
+/// The frozen scene; warnings are logged.
+fn load(options: &RenderOptions) -> Result<Scene> {
+    let loaded = scene::load(&options.scene, &options.overrides)?;
+    warn(&loaded.warnings);
+    let built = scene::build(&loaded.description)?;
+    warn(&built.warnings);
+    Ok(built.scene)
+}
+
+fn warn(warnings: &[Problem]) {
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
+}
+
+/// Logs how it went, and what was dropped.
+fn tell(options: &RenderOptions, rendered: &Rendered) {
+    let statistics = &rendered.statistics;
+    let rate = statistics::rate(statistics.counters.rays(), statistics.render.wall).unwrap_or(0.0);
+    tracing::info!(
+        "{} samples in {:.1} s, {}rays/s, {}, {} threads",
+        statistics.samples,
+        statistics.render.wall.as_secs_f64(),
+        metric(rate),
+        statistics.backend,
+        statistics.threads,
+    );
+    let non_finite = rendered.film.non_finite();
+    if let Some(&first) = non_finite.first().first() {
+        tracing::warn!(
+            "{} samples were not finite and count as black; see the first one by `{}`",
+            non_finite.count(),
+            statistics::replay(options, first),
+        );
+    }
+}
+
+/// Writes all pictures.
+fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phase) -> Result<()> {
+    for Output { path, format } in &options.outputs {
+        match format {
+            Format::Exr => {
+                let attributes = statistics::attributes(scene, rendered, load);
+                warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
+            }
+            Format::Png => png::write(path, &rendered.film.image(), development(scene))?,
+        }
+    }
+    Ok(())
+}
+
+/// How the scene wants to be shown.
+fn development(scene: &Scene) -> Development {
+    let curve = match scene.film.tone {
+        Tone::Clip => Curve::Clip,
+        Tone::Filmic => Curve::Filmic,
+    };
+    Development { exposure_ev: scene.film.exposure_ev, curve }
+}
+
+fn write_json(path: &Path, value: &Value) -> Result<()> {
+    atomic::write(path, |file| io::Write::write_all(file, format!("{value:#}\n").as_bytes()))
+}
+
+/// The files that were written, one a line.
+fn names(options: &RenderOptions) -> String {
+    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
+    paths.map(|path| format!("{}\n", path.display())).collect()
+}

@@ -1,0 +1,181 @@
+//! What happened, for files: metadata of a picture, and statistics as JSON.
+
+use std::path::Path;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+
+use super::options::RenderOptions;
+use crate::film::SampleId;
+use crate::render::{Phase, Rendered};
+use crate::scene::Scene;
+
+/// How long each part took.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Times {
+    /// Reading the scene and its files.
+    pub(super) load: Phase,
+    /// Writing the pictures.
+    pub(super) write: Phase,
+}
+
+/// The metadata of a picture: what it shows and how it was made.
+pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec<(String, String)> {
+    let settings = &scene.render;
+    let statistics = &rendered.statistics;
+    let mut entries = vec![
+        ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("integrator", settings.integrator.word().to_owned()),
+        ("spp", settings.spp.to_string()),
+        ("samples", format!("0..{}", settings.spp)),
+        ("seed", settings.seed.to_string()),
+        ("sampler", settings.sampler.word().to_owned()),
+        ("filter", scene.film.filter.word().to_owned()),
+        ("max_depth", settings.max_depth.to_string()),
+        ("min_throughput", settings.min_throughput.to_string()),
+        ("backend", statistics.backend.clone()),
+        ("isa", statistics.isa.clone()),
+        ("threads", statistics.threads.to_string()),
+        ("time_load_s", seconds(load.wall).to_string()),
+        ("time_build_s", seconds(statistics.build.wall).to_string()),
+        ("time_render_s", seconds(statistics.render.wall).to_string()),
+        ("cpu_render_s", seconds(statistics.render.cpu).to_string()),
+        ("non_finite_samples", rendered.film.non_finite().count().to_string()),
+    ];
+    if settings.integrator.word() == "view" {
+        entries.push(("view", settings.view.word().to_owned()));
+    }
+    entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
+    entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value)).collect()
+}
+
+/// Everything counted and timed.
+pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered, times: Times) -> Value {
+    let statistics = &rendered.statistics;
+    let counters = statistics.counters;
+    let window = rendered.film.window();
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": options.scene.display().to_string(),
+        "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
+        "integrator": scene.render.integrator.word(),
+        "backend": statistics.backend,
+        "isa": statistics.isa,
+        "threads": statistics.threads,
+        "width": scene.film.width,
+        "height": scene.film.height,
+        "crop": [window.x0, window.y0, window.x1, window.y1],
+        "spp": scene.render.spp,
+        "seed": scene.render.seed,
+        "phases": {
+            "load": phase(times.load),
+            "build": phase(statistics.build),
+            "render": phase(statistics.render),
+            "write": phase(times.write),
+        },
+        "samples": statistics.samples,
+        "samples_per_s": rate(statistics.samples, statistics.render.wall),
+        "rays": {
+            "camera": counters.camera,
+            "reflected": counters.reflected,
+            "refracted": counters.refracted,
+            "glossy": counters.glossy,
+            "shadow": counters.shadow,
+            "hidden": counters.hidden,
+            "total": counters.rays(),
+        },
+        "rays_per_s": rate(counters.rays(), statistics.render.wall),
+        "pruned": { "by_depth": counters.cut_by_depth, "by_attenuation": counters.cut_by_attenuation },
+        "peak_rss_bytes": peak_memory(),
+        "bvh_bytes": statistics.hierarchy_bytes,
+        "non_finite": {
+            "count": rendered.film.non_finite().count(),
+            "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, s)).collect::<Vec<_>>(),
+        },
+    })
+}
+
+fn sample(options: &RenderOptions, sample: SampleId) -> Value {
+    json!({ "pixel": [sample.x, sample.y], "index": sample.index, "command": replay(options, sample) })
+}
+
+/// The command that renders that sample's pixel again, and nothing else.
+pub(super) fn replay(options: &RenderOptions, sample: SampleId) -> String {
+    let SampleId { x, y, .. } = sample;
+    let mut words = vec!["specula".to_owned(), "render".to_owned(), quoted(&options.scene.to_string_lossy())];
+    for text in &options.overrides {
+        words.extend(["-D".to_owned(), quoted(text)]);
+    }
+    words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
+    words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
+    words.join(" ")
+}
+
+/// The word as a POSIX shell reads it back.
+fn quoted(word: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
+    if !word.is_empty() && word.chars().all(is_plain) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+fn phase(phase: Phase) -> Value {
+    json!({ "wall_s": seconds(phase.wall), "cpu_s": seconds(phase.cpu) })
+}
+
+/// Seconds to the microsecond.
+fn seconds(time: Duration) -> f64 {
+    (time.as_secs_f64() * 1e6).round() / 1e6
+}
+
+/// How many a second; none in no time.
+#[expect(clippy::cast_precision_loss, reason = "a rate")]
+pub(super) fn rate(count: u64, time: Duration) -> Option<f64> {
+    (!time.is_zero()).then(|| count as f64 / time.as_secs_f64())
+}
+
+/// The most memory that was resident at any time, in bytes, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Precision;
+
+    #[test]
+    fn a_replay_command_repeats_the_overrides_and_crops_to_the_pixel() {
+        let options = RenderOptions {
+            scene: "my scenes/a.toml".into(),
+            outputs: Vec::new(),
+            overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
+            crop: None,
+            threads: None,
+            precision: Precision::Float,
+            stats: None,
+        };
+        let command = replay(&options, SampleId { y: 5, x: 3, index: 1 });
+        let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --crop 3,5,4,6 -o pixel.exr";
+        assert_eq!(command, wanted, "quoted for a shell");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn peak_memory_covers_what_was_touched() {
+        let before = peak_memory().expect("told");
+        let touched = vec![1_u8; 64 << 20];
+        assert!(touched.iter().map(|&x| u64::from(x)).sum::<u64>() == 64 << 20, "touched");
+        assert!(peak_memory().expect("told") >= before.max(64 << 20), "{before}");
+    }
+
+    #[test]
+    fn rates_need_time() {
+        assert_eq!(rate(5, Duration::ZERO), None, "no time");
+        assert_eq!(rate(5, Duration::from_secs(2)), Some(2.5), "two seconds");
+    }
+}

@@ -1,0 +1,437 @@
+//! The program as its users meet it: words in, files, text and exit status out.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use assert_cmd::Command;
+use specula::image::{self, Window, exr};
+use tempfile::TempDir;
+
+/// A scene that takes a moment: one mirror ball, one lamp.
+const BALL: &str = r#"
+[film]
+width = 24
+height = 16
+[render]
+spp = 4
+[materials.mirror]
+type = "mirror"
+[materials.wall]
+type = "diffuse"
+[[shapes]]
+type = "sphere"
+center = [0.0, 0.5, 0.0]
+radius = 0.5
+material = "mirror"
+[[shapes]]
+type = "rectangle"
+center = [0.0, 0.0, 0.0]
+edge_u = [4.0, 0.0, 0.0]
+edge_v = [0.0, 0.0, -4.0]
+material = "wall"
+[[lights]]
+type = "point"
+position = [1.0, 3.0, 2.0]
+intensity = 20.0
+"#;
+
+/// A directory of its own with a scene in it, in which the program is run.
+struct Place(TempDir);
+
+impl Place {
+    fn new() -> Self {
+        let dir = tempfile::tempdir().expect("a directory");
+        fs::write(dir.path().join("ball.toml"), BALL).expect("written");
+        Self(dir)
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+
+    /// The program's exit status, standard output and standard error.
+    fn run(&self, words: &[&str]) -> (i32, String, String) {
+        let mut command = Command::cargo_bin("specula").expect("built");
+        let output = command.current_dir(self.0.path()).args(words).output().expect("run");
+        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
+        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
+    }
+
+    /// What is in the directory.
+    fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.0.path()).expect("a directory");
+        let mut names: Vec<_> = entries
+            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn colours(&self, name: &str) -> image::Image {
+        image::read(&self.path(name)).expect("a picture").image
+    }
+}
+
+#[test]
+fn help_lists_the_commands_and_version_the_version() {
+    let place = Place::new();
+    let (status, stdout, stderr) = place.run(&["--help"]);
+    assert_eq!((status, stderr.as_str()), (0, ""), "help is a result");
+    for command in ["render", "schema", "completions", "man"] {
+        assert!(stdout.contains(command), "{command} in {stdout}");
+    }
+    let (status, stdout, _) = place.run(&["render", "--help"]);
+    let flags = [
+        "--output",
+        "--spp",
+        "--integrator",
+        "--view",
+        "--backend",
+        "--sampler",
+        "--width",
+        "--height",
+        "--max-depth",
+        "--min-throughput",
+        "--crop",
+        "--seed",
+        "--threads",
+        "--half",
+        "--stats",
+        "-D",
+        "--quiet",
+        "--log-format",
+        "--log-level",
+    ];
+    assert_eq!(status, 0, "help");
+    for flag in flags {
+        assert!(stdout.contains(flag), "{flag} in {stdout}");
+    }
+    let (status, stdout, _) = place.run(&["--version"]);
+    assert_eq!((status, stdout.trim()), (0, concat!("specula ", env!("CARGO_PKG_VERSION"))), "version");
+}
+
+#[test]
+fn wrong_words_end_with_status_2_and_say_what_to_do() {
+    let place = Place::new();
+    let cases: [(&[&str], &[&str]); 22] = [
+        (&[], &["Usage"]),
+        (&["rendr", "ball.toml"], &["rendr", "render"]),
+        (&["render"], &["<SCENE>"]),
+        (&["render", "ball.toml", "--sppp", "3"], &["--sppp", "--spp"]),
+        (&["render", "ball.toml", "--spp"], &["--spp"]),
+        (&["render", "ball.toml", "--spp", "0"], &["render.spp", "1"]),
+        (&["render", "ball.toml", "--spp", "-3"], &["render.spp"]),
+        (&["render", "ball.toml", "--spp", "many"], &["render.spp", "many"]),
+        (&["render", "ball.toml", "--integrator", "whited"], &["whited", "whitted"]),
+        (&["render", "ball.toml", "--backend", "abacus"], &["abacus", "embree"]),
+        (&["render", "ball.toml", "--min-throughput", "2"], &["min_throughput"]),
+        (&["render", "ball.toml", "--width", "0"], &["film.width"]),
+        (&["render", "ball.toml", "--crop", "1,2,3"], &["--crop", "x0,y0,x1,y1"]),
+        (&["render", "ball.toml", "--crop", "0,0,25,16"], &["crop", "24"]),
+        (&["render", "ball.toml", "-t", "0"], &["--threads", "1 to"]),
+        (&["render", "ball.toml", "-o", "a.jpg"], &["a.jpg", ".exr or .png"]),
+        (&["render", "ball.toml", "-o", "no/a.png"], &["no/a.png", "create it"]),
+        (&["render", "ball.toml", "-D", "render.sp=3"], &["render.sp", "spp"]),
+        (&["render", "ball.toml", "-D", "novalue"], &["novalue", "key=value"]),
+        (&["render", "ball.toml", "--log-level", "loud"], &["loud", "warn"]),
+        (&["render", "none.toml"], &["none.toml"]),
+        (&["completions", "smash"], &["smash", "bash"]),
+    ];
+    for (words, parts) in cases {
+        let (status, stdout, stderr) = place.run(words);
+        assert_eq!(status, 2, "{words:?}: {stderr}");
+        assert_eq!(stdout, "", "{words:?}");
+        for part in parts {
+            assert!(stderr.contains(part), "{words:?}: `{part}` in {stderr}");
+        }
+        assert!(!stderr.contains("panicked"), "{words:?}: {stderr}");
+    }
+    assert_eq!(place.names(), ["ball.toml"], "nothing was written");
+}
+
+#[test]
+fn several_wrong_values_are_told_together() {
+    let place = Place::new();
+    let words = ["render", "ball.toml", "--spp", "0", "--view", "x", "--seed", "y", "-D", "film.width=-1"];
+    let (status, _, stderr) = place.run(&words);
+    assert_eq!(status, 2, "{stderr}");
+    let told = stderr.lines().filter(|line| line.starts_with("error: ")).count();
+    assert_eq!(told, 4, "{stderr}");
+}
+
+#[test]
+fn a_picture_is_written_to_the_files_asked_for_and_they_are_named() {
+    let place = Place::new();
+    let (status, stdout, stderr) = place.run(&["render", "ball.toml"]);
+    assert_eq!(status, 0, "{stderr}");
+    assert_eq!(stdout, "ball.exr\nball.png\n", "results");
+    assert_eq!(place.names(), ["ball.exr", "ball.png", "ball.toml"], "files");
+    let (status, stdout, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "x.png", "-o", "y.EXR"]);
+    assert_eq!((status, stdout.as_str(), stderr.as_str()), (0, "x.png\ny.EXR\n", ""), "quiet");
+    assert_eq!(place.colours("y.EXR"), place.colours("ball.exr"), "the same picture");
+    assert!(place.colours("y.EXR").pixels().iter().any(|pixel| pixel.g > 0.0), "something is seen");
+}
+
+#[test]
+fn flags_override_the_scene_and_the_metadata_tell() {
+    let place = Place::new();
+    let words = [
+        "render",
+        "ball.toml",
+        "-q",
+        "-o",
+        "a.exr",
+        "--spp",
+        "2",
+        "--width",
+        "10",
+        "--height",
+        "6",
+        "--seed",
+        "5",
+        "--backend",
+        "brute",
+        "--sampler",
+        "independent",
+        "--max-depth",
+        "3",
+        "--min-throughput",
+        "0.5",
+        "-D",
+        "materials.wall.reflectance=0.25",
+    ];
+    let (status, _, stderr) = place.run(&words);
+    assert_eq!(status, 0, "{stderr}");
+    let picture = exr::read(&place.path("a.exr")).expect("a picture");
+    assert_eq!(picture.full, [10, 6], "size");
+    let wanted = [
+        ("specula:spp", "2"),
+        ("specula:seed", "5"),
+        ("specula:backend", "brute"),
+        ("specula:sampler", "independent"),
+        ("specula:max_depth", "3"),
+        ("specula:min_throughput", "0.5"),
+        ("specula:integrator", "whitted"),
+        ("specula:samples", "0..2"),
+        ("specula:non_finite_samples", "0"),
+        ("specula:version", env!("CARGO_PKG_VERSION")),
+    ];
+    for (key, value) in wanted {
+        assert_eq!(picture.attribute(key), Some(value), "{key}");
+    }
+}
+
+#[test]
+fn a_view_is_chosen_by_its_name_alone() {
+    let place = Place::new();
+    let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "a.exr", "--view", "depth"]);
+    assert_eq!(status, 0, "{stderr}");
+    let picture = exr::read(&place.path("a.exr")).expect("a picture");
+    assert_eq!(picture.attribute("specula:integrator"), Some("view"), "integrator");
+    assert_eq!(picture.attribute("specula:view"), Some("depth"), "view");
+}
+
+#[test]
+fn a_crop_is_the_same_pixels_on_any_number_of_threads() {
+    let place = Place::new();
+    let window = Window { x0: 3, y0: 2, x1: 20, y1: 9 };
+    let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "whole.exr", "-t", "3"]);
+    assert_eq!(status, 0, "{stderr}");
+    let words =
+        ["render", "ball.toml", "-q", "-o", "crop.exr", "-o", "crop.png", "--crop", "3,2,20,9", "-t", "1"];
+    let (status, _, stderr) = place.run(&words);
+    assert_eq!(status, 0, "{stderr}");
+    let crop = image::read(&place.path("crop.exr")).expect("a picture");
+    assert_eq!((crop.window, crop.full), (window, [24, 16]), "windows");
+    let whole = place.colours("whole.exr");
+    for y in 0..window.height() {
+        for x in 0..window.width() {
+            assert_eq!(crop.image.pixel(x, y), whole.pixel(x + window.x0, y + window.y0), "at {x}, {y}");
+        }
+    }
+}
+
+#[test]
+fn halves_are_stored_as_halves() {
+    let place = Place::new();
+    let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "a.exr", "--half"]);
+    assert_eq!(status, 0, "{stderr}");
+    let channels = exr::channels(&place.path("a.exr")).expect("an EXR file");
+    let kinds: Vec<_> = channels.iter().map(|c| (c.name.as_str(), c.bits, c.is_float)).collect();
+    assert_eq!(kinds, [("A", 16, true), ("B", 16, true), ("G", 16, true), ("R", 16, true)], "channels");
+}
+
+#[test]
+fn statistics_are_json_with_times_and_rays() {
+    let place = Place::new();
+    let words = ["render", "ball.toml", "-q", "-o", "a.png", "--stats", "stats.json", "-t", "2"];
+    let (status, stdout, stderr) = place.run(&words);
+    assert_eq!((status, stdout.as_str()), (0, "a.png\nstats.json\n"), "{stderr}");
+    let text = fs::read_to_string(place.path("stats.json")).expect("there");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let at = |pointer: &str| stats.pointer(pointer).unwrap_or_else(|| panic!("{pointer} in {text}"));
+    assert_eq!(at("/samples"), 24 * 16 * 4, "samples");
+    assert_eq!(at("/rays/camera"), 24 * 16 * 4, "camera rays");
+    assert!(at("/rays/reflected").as_u64() > Some(0) && at("/rays/shadow").as_u64() > Some(0), "{text}");
+    let kinds = ["camera", "reflected", "refracted", "glossy", "shadow", "hidden"];
+    let sum: u64 = kinds.iter().map(|kind| at(&format!("/rays/{kind}")).as_u64().expect("a count")).sum();
+    assert_eq!(at("/rays/total").as_u64(), Some(sum), "all rays");
+    for phase in ["load", "build", "render", "write"] {
+        for clock in ["wall_s", "cpu_s"] {
+            let time = at(&format!("/phases/{phase}/{clock}")).as_f64().expect("a time");
+            assert!((0.0..600.0).contains(&time), "{phase} {clock}: {time}");
+        }
+    }
+    assert!(at("/rays_per_s").as_f64() > Some(0.0) && at("/samples_per_s").as_f64() > Some(0.0), "{text}");
+    assert!(at("/peak_rss_bytes").as_u64() > Some(1 << 20) && at("/bvh_bytes").as_u64() > Some(0), "{text}");
+    assert_eq!((at("/threads"), at("/non_finite/count")), (&2.into(), &0.into()), "threads, non-finite");
+    assert!(at("/pruned/by_depth").is_u64() && at("/pruned/by_attenuation").is_u64(), "{text}");
+}
+
+#[test]
+fn a_failed_run_leaves_the_old_output_untouched() {
+    let place = Place::new();
+    fs::write(place.path("a.exr"), "old").expect("written");
+    fs::write(place.path("bad.toml"), BALL.replace("\"mirror\"\n[", "\"miror\"\n[")).expect("written");
+    for words in [
+        ["render", "bad.toml", "-o", "a.exr", "-q"],
+        ["render", "ball.toml", "-o", "a.exr", "--crop=0,0,99,99"],
+        ["render", "ball.toml", "-o", "a.exr", "--spp=0"],
+    ] {
+        let (status, stdout, stderr) = place.run(&words);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{words:?}: {stderr}");
+        assert_eq!(fs::read(place.path("a.exr")).expect("there"), b"old", "{words:?}");
+    }
+    assert_eq!(place.names(), ["a.exr", "bad.toml", "ball.toml"], "nothing else is left");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_disk_without_room_is_a_failure_while_running() {
+    // The picture is written to a directory on which nothing can be created: /proc refuses even root.
+    let place = Place::new();
+    let (status, stdout, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "/proc/a.exr"]);
+    assert_eq!((status, stdout.as_str()), (1, ""), "{stderr}");
+    assert!(stderr.contains("error: /proc/a.exr: cannot write: "), "{stderr}");
+}
+
+#[test]
+fn logs_can_be_json() {
+    let place = Place::new();
+    let words = ["render", "ball.toml", "-o", "a.png", "--log-format", "json"];
+    let (status, _, stderr) = place.run(&words);
+    assert_eq!(status, 0, "{stderr}");
+    let failed = place.run(&["render", "ball.toml", "--spp", "0", "--log-format", "json"]);
+    assert_eq!(failed.0, 2, "{}", failed.2);
+    for (text, level) in [(stderr, "INFO"), (failed.2, "ERROR")] {
+        let line = text.lines().next().expect("a line");
+        let entry: serde_json::Value = serde_json::from_str(line).expect("JSON");
+        assert_eq!(entry["level"], level, "{line}");
+        assert!(entry["fields"]["message"].is_string(), "{line}");
+    }
+}
+
+#[test]
+fn log_levels_choose_what_is_told() {
+    let place = Place::new();
+    let told = |words: &[&str]| {
+        let words = [&["render", "ball.toml", "-o", "a.png"], words].concat();
+        place.run(&words).2
+    };
+    assert!(told(&[]).contains("samples in"), "a summary");
+    assert_eq!(told(&["--log-level", "warn"]), "", "no summary");
+    assert!(told(&["-q", "--log-level", "info"]).contains("samples in"), "the level wins over -q");
+    let empty = told(&["-D", "shapes=[]", "-q"]);
+    assert!(empty.starts_with("warning: ") && empty.contains("empty"), "{empty}");
+    assert_eq!(told(&["-D", "shapes=[]", "--log-level", "error"]), "", "no warnings");
+}
+
+#[test]
+fn completions_are_there_for_common_shells() {
+    let place = Place::new();
+    for (shell, part) in
+        [("bash", "complete -F"), ("zsh", "#compdef specula"), ("fish", "complete -c specula")]
+    {
+        let (status, stdout, stderr) = place.run(&["completions", shell]);
+        assert_eq!((status, stderr.as_str()), (0, ""), "{shell}");
+        assert!(stdout.contains(part) && stdout.contains("min-throughput"), "{shell}: {stdout}");
+        assert!(stdout.contains("whitted"), "{shell} completes values");
+    }
+}
+
+#[test]
+fn manual_pages_go_to_standard_output_or_a_directory() {
+    let place = Place::new();
+    let (status, stdout, _) = place.run(&["man"]);
+    assert!(status == 0 && stdout.contains(".TH specula 1"), "{stdout}");
+    fs::create_dir(place.path("man")).expect("created");
+    let (status, stdout, stderr) = place.run(&["man", "--dir", "man"]);
+    assert_eq!(status, 0, "{stderr}");
+    let names: Vec<_> = stdout.lines().collect();
+    let wanted = ["specula", "specula-render", "specula-schema", "specula-completions", "specula-man"];
+    assert_eq!(names, wanted.map(|name| format!("man/{name}.1")), "pages");
+    let page = fs::read_to_string(place.path("man/specula-render.1")).expect("there");
+    assert!(page.contains("min\\-throughput") && page.contains(".TH specula-render 1"), "{page}");
+    assert_eq!(place.run(&["man", "--dir", "nowhere"]).0, 2, "no directory");
+}
+
+#[test]
+fn the_schema_is_json() {
+    let (status, stdout, _) = Place::new().run(&["schema"]);
+    let schema: serde_json::Value = serde_json::from_str(&stdout).expect("JSON");
+    assert_eq!(status, 0, "status");
+    assert!(schema["properties"]["render"].is_object(), "{stdout}");
+}
+
+/// A reader that takes a little and goes away, as `head` does.
+#[cfg(unix)]
+#[test]
+fn a_closed_pipe_is_no_error() {
+    use std::process::{Command, Stdio};
+    let program = assert_cmd::cargo::cargo_bin("specula");
+    for words in ["schema", "--help", "man"] {
+        let mut child = Command::new(&program)
+            .arg(words)
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("started");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("ended");
+        assert_eq!(output.status.code(), Some(0), "{words}");
+        assert_eq!(String::from_utf8_lossy(&output.stderr), "", "{words}");
+    }
+}
+
+/// Ctrl-C ends a long rendering with status 130 and without files.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_with_130_and_no_files() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+    let place = Place::new();
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
+        .current_dir(place.0.path())
+        .args(["render", "ball.toml", "-o", "a.exr", "--spp", "1000000", "-D", "film.width=640"])
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("started");
+    std::thread::sleep(Duration::from_millis(500));
+    let id = child.id().to_string();
+    let asked = Instant::now();
+    assert!(Command::new("kill").args(["-INT", &id]).status().expect("run").success(), "signalled");
+    let status = child.wait().expect("ended");
+    assert_eq!(status.code(), Some(130), "status");
+    assert!(asked.elapsed() < Duration::from_secs(60), "after {:?}", asked.elapsed());
+    assert_eq!(place.names(), ["ball.toml"], "no files");
+}
+
+#[test]
+fn scenes_are_found_relative_to_where_the_program_runs() {
+    let place = Place::new();
+    fs::create_dir(place.path("sub")).expect("created");
+    fs::rename(place.path("ball.toml"), place.path("sub/ball.toml")).expect("moved");
+    let (status, stdout, stderr) =
+        place.run(&["render", &Path::new("sub/ball.toml").display().to_string(), "-q"]);
+    assert_eq!((status, stdout.as_str()), (0, "ball.exr\nball.png\n"), "{stderr}");
+}
