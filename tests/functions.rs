@@ -1,11 +1,11 @@
 //! The stated errors of the functions over lanes, against `f64`, at every width of this machine.
 //!
 //! The normal run takes every 1021st float (4.2 million of them, of all exponents and both signs); the ignored one takes
-//! all 2^32, in about a quarter of an hour. One ulp is the distance of neighbouring floats at the true value.
+//! all 2^32, in about an hour. One ulp is the distance of neighbouring floats at the true value.
 
 use std::f64::consts::TAU;
 
-use specula::math::lanes::{Isa, Kernel, Lanes, Level};
+use specula::math::lanes::{Isa, Kernel, Lanes, Level, Scalar};
 
 /// A function of one argument under test.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ use Function::{Acos, Asin, Atan, Cos, CosTurns, Exp, ExpM1, Ln, Ln1p, Rsqrt, Sin
 
 /// Each function with its stated error in ulps.
 const STATED: [(Function, f64); 12] = [
-    (Exp, 1.0),
+    (Exp, 1.1),
     (ExpM1, 1.5),
     (Ln, 1.0),
     (Ln1p, 1.5),
@@ -132,21 +132,36 @@ fn ulps(got: f32, truth: f64) -> f64 {
     if truth.abs() < least && value.abs() <= least {
         return 0.0;
     }
-    let ulp = f64::exp2(truth.abs().clamp(least, f64::from(f32::MAX)).log2().floor() - 23.0);
+    // The power of two at or below the truth, by its exponent alone.
+    let size = truth.abs().clamp(least, f64::from(f32::MAX));
+    let ulp = f64::from_bits(size.to_bits() & 0x7FF0_0000_0000_0000) * f64::exp2(-23.0);
     (value - truth).abs() / ulp
 }
 
-/// Asserts the stated errors on every `stride`-th float, at all levels.
-fn check_errors(function: Function, stated: f64, stride: usize) {
-    let levels = Level::available();
+/// The functions whose error on every `stride`-th float exceeds the stated one at some of the levels.
+fn failures(levels: &[Level], stride: usize) -> Vec<String> {
+    let mut failures = Vec::new();
+    for (function, stated) in STATED {
+        for (level, (error, at)) in levels.iter().zip(worst(function, levels, stride)) {
+            let text = format!("{function:?} {}: {error:.3} ulp at {at:e}, stated {stated}", level.name());
+            println!("{text}");
+            if error > stated {
+                failures.push(text);
+            }
+        }
+    }
+    failures
+}
+
+/// The largest error and its argument at each level, among every `stride`-th float.
+fn worst(function: Function, levels: &[Level], stride: usize) -> Vec<(f64, f32)> {
     let mut worst = vec![(0.0, 0.0); levels.len()];
     let (mut x, mut y, mut truth) = (vec![0.0; 4096], vec![0.0; 4096], vec![0.0; 4096]);
-    let mut bits = (0..=u32::MAX).step_by(stride);
+    let mut arguments = (0..=u32::MAX).step_by(stride).map(argument).filter(|&x| function.domain(x));
     loop {
-        x.fill(0.0);
         let mut n = 0;
-        for (x, bits) in x.iter_mut().zip(&mut bits) {
-            *x = argument(bits);
+        for (x, argument) in x.iter_mut().zip(&mut arguments) {
+            *x = argument;
             n += 1;
         }
         for (x, truth) in x.iter().zip(&mut truth) {
@@ -154,7 +169,7 @@ fn check_errors(function: Function, stated: f64, stride: usize) {
         }
         for (level, worst) in levels.iter().zip(&mut worst) {
             level.run(Evaluate { function, x: &x, y: &mut y });
-            for i in (0..4096).filter(|&i| function.domain(x[i])) {
+            for i in 0..n {
                 let error = ulps(y[i], truth[i]);
                 if error > worst.0 {
                     *worst = (error, x[i]);
@@ -162,12 +177,8 @@ fn check_errors(function: Function, stated: f64, stride: usize) {
             }
         }
         if n < 4096 {
-            break;
+            return worst;
         }
-    }
-    for (level, (error, at)) in levels.iter().zip(worst) {
-        println!("{function:?} {}: {error:.3} ulp at {at:e}", level.name());
-        assert!(error <= stated, "{function:?} {}: {error} ulp at {at:e}, not {stated}", level.name());
     }
 }
 
@@ -179,17 +190,16 @@ fn argument(bits: u32) -> f32 {
 
 #[test]
 fn errors_are_as_stated() {
-    for (function, stated) in STATED {
-        check_errors(function, stated, 1021);
-    }
+    let failures = failures(&Level::available(), 1021);
+    assert!(failures.is_empty(), "{failures:#?}");
 }
 
 #[test]
-#[ignore = "takes a quarter of an hour"]
+#[ignore = "takes an hour"]
 fn errors_are_as_stated_for_all_floats() {
-    for (function, stated) in STATED {
-        check_errors(function, stated, 1);
-    }
+    // One level that fuses multiply-add and one that does not: the others compute the same.
+    let failures = failures(&[Level::best(), Level::Scalar(Scalar)], 1);
+    assert!(failures.is_empty(), "{failures:#?}");
 }
 
 /// A function of two arguments under test.

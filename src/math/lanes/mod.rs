@@ -18,33 +18,29 @@
 #[macro_use]
 mod operators;
 
-#[cfg(target_arch = "x86_64")]
-mod avx2;
-#[cfg(target_arch = "x86_64")]
-mod avx512;
 mod compare;
 mod functions;
+#[cfg(target_arch = "x86_64")]
+mod gather;
 mod int;
 mod isa;
 mod level;
 mod portable;
-#[cfg(target_arch = "x86_64")]
-mod reversal;
 mod scalar;
+#[cfg(target_arch = "x86_64")]
+mod wide;
 
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
-#[cfg(target_arch = "x86_64")]
-pub use avx2::{Avx2, F32x8, Mask8, U32x8};
-#[cfg(target_arch = "x86_64")]
-pub use avx512::{Avx512, F32x16, Mask16, U32x16};
 pub use compare::{Compare, MaskLanes, Select};
 pub use int::{IntLanes, Wrapping};
 pub use isa::{Isa, Kernel};
 pub use level::{AnyKernel, Level, LevelError, VARIABLE};
 pub use portable::{Portable, PortableF32, PortableMask, PortableU32};
 pub use scalar::Scalar;
+#[cfg(target_arch = "x86_64")]
+pub use wide::{Avx2, Avx512, F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
 
 /// Float lanes: [`Isa::WIDTH`] numbers of type `f32` that are computed with together.
 ///
@@ -160,7 +156,7 @@ pub trait Lanes:
     fn map(self, f: impl Fn(f32) -> f32) -> Self {
         self.isa().per_lane(|i| f(self.extract(i)))
     }
-    /// e^x within 1 ulp. Below -87.33654, where results would be less than 2^-126, zero; from 88.72284 infinite.
+    /// e^x within 1.1 ulp. Below -87.33654, where results would be less than 2^-126, zero; from 88.72284 infinite.
     #[inline(always)]
     fn exp(self) -> Self {
         functions::exp(self)
