@@ -217,6 +217,12 @@ impl Scene<Committed> {
         self.state.bounds
     }
 
+    /// The library's own handle, as a number: for measuring what these types cost. It is good for as long as the scene.
+    #[must_use]
+    pub fn address(&self) -> usize {
+        self.raw().expose_provenance()
+    }
+
     /// Opens the scene again, to exchange geometries and commit anew.
     #[must_use]
     pub fn reopen(self) -> Scene<Open> {

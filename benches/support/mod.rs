@@ -1,0 +1,159 @@
+//! A small harness that compares ways of doing the same thing by their CPU time.
+//!
+//! The contestants of a [`Race`] run in turn, pass after pass, in one process, so that what disturbs the machine
+//! disturbs them alike. Compared are ratios within a pass, to the first contestant of the race; reported are the
+//! median over the passes and the spread, half the distance between the quartiles. Absolute rates are of this machine
+//! on that day.
+//!
+//! Arguments: `--record` also writes `benches/record/<bench>.csv`; a word restricts the races to those whose name
+//! contains it; without cargo's `--bench` (as under `cargo test`) each contestant runs once, only to show that it does.
+
+#![expect(clippy::print_stdout, reason = "a bench prints its results")]
+
+use cpu_time::ProcessTime;
+use std::fmt::Write as _;
+use std::hint::black_box;
+use std::path::Path;
+use std::process::Command;
+
+/// Passes that count; one more warms up.
+const PASSES: usize = 15;
+
+/// What a bench was asked for, and what it found.
+#[derive(Debug)]
+pub(crate) struct Bench {
+    name: &'static str,
+    record: bool,
+    filter: Option<String>,
+    passes: usize,
+    rows: Vec<Row>,
+}
+
+/// Contestants that do the same work.
+pub(crate) struct Race<'a> {
+    name: String,
+    /// How many things one pass handles, and what they are called: rays, samples.
+    items: usize,
+    unit: &'static str,
+    contestants: Vec<Contestant<'a>>,
+}
+
+/// A name, and one pass; what a pass returns is only looked at to keep it from being left out.
+type Contestant<'a> = (String, Box<dyn FnMut() -> u64 + 'a>);
+
+/// What was found of one contestant.
+#[derive(Debug)]
+struct Row {
+    race: String,
+    contestant: String,
+    unit: &'static str,
+    items_per_s: f64,
+    /// Speed relative to the first contestant.
+    ratio: f64,
+    ratio_spread: f64,
+}
+
+impl Bench {
+    /// Reads the command line.
+    pub(crate) fn new(name: &'static str) -> Self {
+        let words: Vec<String> = std::env::args().skip(1).collect();
+        let has = |flag: &str| words.iter().any(|word| word == flag);
+        let filter = words.iter().find(|word| !word.starts_with('-')).cloned();
+        let passes = if has("--bench") { PASSES } else { 1 };
+        Self { name, record: has("--record"), filter, passes, rows: Vec::new() }
+    }
+
+    /// Whether a race is wanted: asked before costly preparations.
+    pub(crate) fn wants(&self, race: &str) -> bool {
+        self.filter.as_ref().is_none_or(|word| race.contains(word))
+    }
+
+    /// Runs a race and prints its table.
+    pub(crate) fn run(&mut self, mut race: Race<'_>) {
+        if !self.wants(&race.name) {
+            return;
+        }
+        let mut seconds = vec![Vec::new(); race.contestants.len()];
+        for pass in 0..=self.passes {
+            for ((_, work), times) in race.contestants.iter_mut().zip(&mut seconds) {
+                let start = ProcessTime::now();
+                black_box(work());
+                let spent = start.elapsed().as_secs_f64();
+                if pass > 0 {
+                    times.push(spent);
+                }
+            }
+        }
+        println!("\n{} ({} {})", race.name, race.items, race.unit);
+        for ((name, _), times) in race.contestants.iter().zip(&seconds) {
+            let ratios = seconds[0].iter().zip(times).map(|(first, own)| first / own).collect();
+            let (ratio, ratio_spread) = median_and_spread(ratios);
+            let items_per_s = race.items as f64 / median_and_spread(times.clone()).0;
+            println!("  {name:32} {:9.3} M/s   x {ratio:.3} +- {ratio_spread:.3}", items_per_s * 1e-6);
+            let (race, contestant, unit) = (race.name.clone(), name.clone(), race.unit);
+            self.rows.push(Row { race, contestant, unit, items_per_s, ratio, ratio_spread });
+        }
+    }
+
+    /// Writes the record, if asked for.
+    pub(crate) fn finish(self) -> std::io::Result<()> {
+        if !self.record {
+            return Ok(());
+        }
+        let mut text = String::from("# ");
+        text += &[
+            format!("machine: {}", processor()),
+            format!("rustc: {}", said("rustc", &["--version"])),
+            format!("commit: {}", said("git", &["describe", "--always", "--dirty"])),
+            format!("date: {}", said("date", &["-u", "+%F"])),
+            format!("passes: {}", self.passes),
+        ]
+        .join("; ");
+        text += "\nrace,contestant,unit,items_per_cpu_s,ratio,ratio_spread\n";
+        for row in &self.rows {
+            let Row { race, contestant, unit, items_per_s, ratio, ratio_spread } = row;
+            let _ =
+                writeln!(text, "{race},{contestant},{unit},{items_per_s:.0},{ratio:.4},{ratio_spread:.4}");
+        }
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
+        std::fs::create_dir_all(&folder)?;
+        let file = folder.join(format!("{}.csv", self.name));
+        std::fs::write(&file, text)?;
+        println!("\nrecorded in {}", file.display());
+        Ok(())
+    }
+}
+
+impl<'a> Race<'a> {
+    /// A race without contestants; names hold no commas.
+    pub(crate) fn new(name: impl Into<String>, items: usize, unit: &'static str) -> Self {
+        Self { name: name.into(), items, unit, contestants: Vec::new() }
+    }
+
+    /// Adds a contestant; the first is what the others are compared with.
+    pub(crate) fn with(mut self, name: impl Into<String>, pass: impl FnMut() -> u64 + 'a) -> Self {
+        self.contestants.push((name.into(), Box::new(pass)));
+        self
+    }
+}
+
+/// The median, and half the distance between the quartiles.
+fn median_and_spread(mut values: Vec<f64>) -> (f64, f64) {
+    values.sort_by(f64::total_cmp);
+    let at = |part: usize| values[(values.len() - 1) * part / 4];
+    (at(2), (at(3) - at(1)) * 0.5)
+}
+
+/// The processor's name and the number of processors.
+fn processor() -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split(": ").nth(1));
+    let count = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    format!("{} x {count}", model.unwrap_or(std::env::consts::ARCH))
+}
+
+/// What a command prints, on one line; nothing if there is no such command.
+fn said(program: &str, arguments: &[&str]) -> String {
+    let output = Command::new(program).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
+    output.map(|output| String::from_utf8_lossy(&output.stdout).trim().replace(',', " ")).unwrap_or_default()
+}
