@@ -3,6 +3,8 @@
 //! Recorded camera, shadow and diffuse-bounce rays on the dragon (100 k triangles, where its file is found) and on a
 //! landscape of a million triangles, in one thread. `cargo bench --bench queries -- [--record] [part of a race's name]`.
 
+#![expect(clippy::print_stdout, reason = "a bench says what it skips")]
+
 #[path = "support/direct.rs"]
 mod direct;
 #[path = "support/rays.rs"]
@@ -76,28 +78,35 @@ fn on_mesh(
 fn safety(bench: &mut Bench, name: &str, accel: &EmbreeAccel, rays: &Rays, coherence: Coherence) {
     let direct = Direct::new(accel.scene().address());
     let width = accel.device().native_width();
-    let (count, coherent) = (rays.single.len(), coherence == Coherence::Coherent);
+    let coherent = coherence == Coherence::Coherent;
+    let race = |what: &str| Race::new(format!("{name} safety {what}"), rays.single.len(), "rays");
     bench.run(
-        Race::new(format!("{name} safety single"), count, "rays")
+        race("single")
             .with("direct", || direct.intersect(&rays.single))
             .with("specula", || single(accel, rays)),
     );
+    let packets = rays.packets::<4>();
+    bench.run(
+        race("packet 4")
+            .with("direct", || direct.intersect4(&packets, coherent))
+            .with("specula", || packet(accel, &packets, coherence)),
+    );
     let packets = rays.packets::<8>();
     bench.run(
-        Race::new(format!("{name} safety packet 8"), count, "rays")
+        race("packet 8")
             .with("direct", || direct.intersect8(&packets, coherent))
             .with("specula", || packet(accel, &packets, coherence)),
     );
     let packets = rays.packets::<16>();
     bench.run(
-        Race::new(format!("{name} safety packet 16"), count, "rays")
+        race("packet 16")
             .with("direct", || direct.intersect16(&packets, coherent))
             .with("specula", || packet(accel, &packets, coherence)),
     );
     let mut buffers = DirectStream::new(&rays.single);
     let mut hits = HitStream::default();
     bench.run(
-        Race::new(format!("{name} safety stream"), count, "rays")
+        race("stream")
             .with("direct", || direct.stream(&mut buffers, width, coherent))
             .with("specula", || stream(accel, rays, &mut hits, coherence)),
     );
@@ -112,21 +121,28 @@ fn safety_of_occlusion(
     coherence: Coherence,
 ) {
     let direct = Direct::new(accel.scene().address());
-    let (count, coherent) = (rays.single.len(), coherence == Coherence::Coherent);
+    let coherent = coherence == Coherence::Coherent;
+    let race = |what: &str| Race::new(format!("{name} safety {what}"), rays.single.len(), "rays");
     bench.run(
-        Race::new(format!("{name} safety single"), count, "rays")
+        race("single")
             .with("direct", || direct.occluded(&rays.single))
             .with("specula", || single_occluded(accel, rays)),
     );
+    let packets = rays.packets::<4>();
+    bench.run(
+        race("packet 4")
+            .with("direct", || direct.occluded4(&packets, coherent))
+            .with("specula", || packet_occluded(accel, &packets, coherence)),
+    );
     let packets = rays.packets::<8>();
     bench.run(
-        Race::new(format!("{name} safety packet 8"), count, "rays")
+        race("packet 8")
             .with("direct", || direct.occluded8(&packets, coherent))
             .with("specula", || packet_occluded(accel, &packets, coherence)),
     );
     let packets = rays.packets::<16>();
     bench.run(
-        Race::new(format!("{name} safety packet 16"), count, "rays")
+        race("packet 16")
             .with("direct", || direct.occluded16(&packets, coherent))
             .with("specula", || packet_occluded(accel, &packets, coherence)),
     );

@@ -5,6 +5,8 @@
 //! rounding of the one asked for; one in 10^5 may be. The tables printed (`--nocapture`) also count plain
 //! differences.
 
+#![expect(clippy::print_stdout, reason = "tables of what was found")]
+
 #[path = "support/rays.rs"]
 mod rays;
 #[path = "support/verdict.rs"]

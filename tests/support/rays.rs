@@ -19,9 +19,7 @@ impl Rng {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
         let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        #[expect(clippy::cast_possible_truncation, reason = "the upper half is kept")]
-        let bits = ((z ^ (z >> 31)) >> 32) as u32;
-        bits
+        ((z ^ (z >> 31)) >> 32) as u32
     }
 
     /// In [0, 1).

@@ -87,8 +87,8 @@ const NO_HIT: sys::RTCHit = sys::RTCHit {
     instPrimID: [sys::RTC_INVALID_GEOMETRY_ID],
 };
 
-/// The largest sum of the magnitudes of a ray's coordinates that is traced: about the root of the largest number, so
-/// that squares are finite. Embree leaves out primitives from half of it on ("greater than 1.844E18f").
+/// The largest magnitude of origin and direction together, along each axis, that is traced: about the root of the
+/// largest number, so that squares are finite. Embree leaves out primitives from there on ("greater than 1.844E18f").
 const LARGEST: f32 = 1.8e18;
 
 impl Scene<Committed> {
@@ -129,29 +129,14 @@ impl Scene<Committed> {
         packet: &mut Packet<N>,
         coherence: Coherence,
     ) {
-        if !has_kernel(N) {
-            for lane in active.lanes() {
-                let hit = self.intersect(&packet.ray.get(lane));
-                packet.set_hit(lane, hit.as_ref());
-            }
+        if has_kernel(N) {
+            preset(active, &mut packet.hit);
+            self.trace(active, packet, &mut intersect_arguments(coherence));
             return;
         }
-        let mut arguments = sys::rtcInitIntersectArguments();
-        arguments.flags = flags(coherence);
-        preset(active, &mut packet.hit);
-        let sound = soundness(active, &packet.ray);
-        let active = sound.as_ref().unwrap_or(active);
-        let valid = active.as_array().as_ptr();
-        let to: *mut Packet<N> = packet;
-        let (scene, arguments) = (self.raw(), &raw mut arguments);
-        match N {
-            // SAFETY: the scene is committed, layout and alignment are asserted above, identifiers are preset.
-            4 => unsafe { sys::rtcIntersect4(valid, scene, to.cast(), arguments) },
-            // SAFETY: as for 4.
-            8 => unsafe { sys::rtcIntersect8(valid, scene, to.cast(), arguments) },
-            // SAFETY: as for 4.
-            16 => unsafe { sys::rtcIntersect16(valid, scene, to.cast(), arguments) },
-            _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
+        for lane in active.lanes() {
+            let hit = self.intersect(&packet.ray.get(lane));
+            packet.set_hit(lane, hit.as_ref());
         }
     }
 
@@ -163,21 +148,52 @@ impl Scene<Committed> {
         rays: &mut RayPacket<N>,
         coherence: Coherence,
     ) {
-        if !has_kernel(N) {
-            for lane in active.lanes() {
-                if self.occluded(&rays.get(lane)) {
-                    rays.t_max[lane] = f32::NEG_INFINITY;
-                }
-            }
+        if has_kernel(N) {
+            self.trace_occluded(active, rays, &mut occluded_arguments(coherence));
             return;
         }
-        let mut arguments = sys::rtcInitOccludedArguments();
-        arguments.flags = flags(coherence);
+        for lane in active.lanes() {
+            if self.occluded(&rays.get(lane)) {
+                rays.t_max[lane] = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    /// Traces a packet of 4, 8 or 16 whose active lanes have their identifiers preset.
+    #[inline]
+    fn trace<const N: usize>(
+        &self,
+        active: &Active<N>,
+        packet: &mut Packet<N>,
+        arguments: &mut sys::RTCIntersectArguments,
+    ) {
+        let sound = soundness(active, &packet.ray);
+        let valid = sound.as_ref().unwrap_or(active).as_array().as_ptr();
+        let to: *mut Packet<N> = packet;
+        let scene = self.raw();
+        match N {
+            // SAFETY: the scene is committed, layout and alignment are asserted above, identifiers are preset.
+            4 => unsafe { sys::rtcIntersect4(valid, scene, to.cast(), arguments) },
+            // SAFETY: as for 4.
+            8 => unsafe { sys::rtcIntersect8(valid, scene, to.cast(), arguments) },
+            // SAFETY: as for 4.
+            16 => unsafe { sys::rtcIntersect16(valid, scene, to.cast(), arguments) },
+            _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
+        }
+    }
+
+    /// Asks a packet of 4, 8 or 16.
+    #[inline]
+    fn trace_occluded<const N: usize>(
+        &self,
+        active: &Active<N>,
+        rays: &mut RayPacket<N>,
+        arguments: &mut sys::RTCOccludedArguments,
+    ) {
         let sound = soundness(active, rays);
-        let active = sound.as_ref().unwrap_or(active);
-        let valid = active.as_array().as_ptr();
+        let valid = sound.as_ref().unwrap_or(active).as_array().as_ptr();
         let to: *mut RayPacket<N> = rays;
-        let (scene, arguments) = (self.raw(), &raw mut arguments);
+        let scene = self.raw();
         match N {
             // SAFETY: the scene is committed, layout and alignment are asserted above.
             4 => unsafe { sys::rtcOccluded4(valid, scene, to.cast(), arguments) },
@@ -211,13 +227,19 @@ impl Scene<Committed> {
 
     fn intersect_blocks<const N: usize>(&self, rays: &RayStream, hits: &mut HitStream, coherence: Coherence) {
         let mut packet = Packet::<N>::EMPTY;
-        for start in (0..rays.len()).step_by(N) {
-            let count = N.min(rays.len() - start);
-            load(rays, start, count, &mut packet.ray);
-            packet.hit = HitPacket::NONE;
-            self.intersect_packet(&Active::first(count), &mut packet, coherence);
-            store(&packet, start, count, hits);
+        let mut arguments = intersect_arguments(coherence);
+        let whole = rays.len() / N * N;
+        for start in (0..whole).step_by(N) {
+            load(rays, start, &mut packet.ray);
+            packet.hit.geometry = [sys::RTC_INVALID_GEOMETRY_ID; N];
+            packet.hit.instance = [sys::RTC_INVALID_GEOMETRY_ID; N];
+            self.trace(&Active::ALL, &mut packet, &mut arguments);
+            store(&packet, start, hits);
         }
+        let mut rest = Packet::<N>::EMPTY;
+        (whole..rays.len()).enumerate().for_each(|(lane, i)| rest.ray.set(lane, &rays.get(i)));
+        self.intersect_packet(&Active::first(rays.len() - whole), &mut rest, coherence);
+        (whole..rays.len()).enumerate().for_each(|(lane, i)| hits.set(i, rest.get_hit(lane).as_ref()));
     }
 
     fn occluded_blocks<const N: usize>(
@@ -227,13 +249,15 @@ impl Scene<Committed> {
         coherence: Coherence,
     ) {
         let mut packet = RayPacket::<N>::EMPTY;
-        for start in (0..rays.len()).step_by(N) {
-            let count = N.min(rays.len() - start);
-            load(rays, start, count, &mut packet);
-            self.occluded_packet(&Active::first(count), &mut packet, coherence);
-            let ends = packet.t_max[..count].iter().zip(&rays.t_max[start..]);
+        let mut arguments = occluded_arguments(coherence);
+        let whole = rays.len() / N * N;
+        for start in (0..whole).step_by(N) {
+            load(rays, start, &mut packet);
+            self.trace_occluded(&Active::ALL, &mut packet, &mut arguments);
+            let ends = packet.t_max.iter().zip(&rays.t_max[start..start + N]);
             occluded.extend(ends.map(|(after, before)| after < before));
         }
+        occluded.extend((whole..rays.len()).map(|i| self.occluded(&rays.get(i))));
     }
 }
 
@@ -243,42 +267,51 @@ fn sound(ray: &Ray) -> Option<sys::RTCRay> {
     let own: *const Ray = ray;
     // SAFETY: a ray is three rows of four numbers, aligned as they are; any bits are a number.
     let [o, d, _] = unsafe { own.cast::<[Vec4; 3]>().read() };
-    let xyz = |v: Vec4| v.x.abs() + v.y.abs() + v.z.abs();
-    if !is_sound(xyz(o), xyz(d), ray.t_min, ray.t_max) {
+    // Of the fourth column, the near end and the moment, nothing is asked. Comparisons are false of what is not a
+    // number.
+    let small = (o.abs() + d.abs()).cmple(Vec4::splat(LARGEST)).bitmask() & 0b111 == 0b111;
+    let directed = d.cmpne(Vec4::ZERO).bitmask() & 0b111 != 0;
+    if !(small && directed && ray.t_min <= ray.t_max) {
         return None;
     }
     // SAFETY: size, alignment and fields agree, as asserted above, and every field is a plain number.
     Some(unsafe { own.cast::<sys::RTCRay>().read() })
 }
 
-/// Whether a ray may be traced, given the sums of magnitudes of its origin's and direction's coordinates: comparisons
-/// are false of what is not a number.
-#[inline]
-fn is_sound(o: f32, d: f32, t_min: f32, t_max: f32) -> bool {
-    // No short circuit: this runs over lanes.
-    (o + d <= LARGEST) & (d > 0.0) & (t_min <= t_max)
-}
-
 /// The active lanes that may be traced, if those are not all of them.
 #[inline]
 fn soundness<const N: usize>(active: &Active<N>, rays: &RayPacket<N>) -> Option<Active<N>> {
-    let is_sound = |lane: usize| {
-        let o = rays.o_x[lane].abs() + rays.o_y[lane].abs() + rays.o_z[lane].abs();
-        let d = rays.d_x[lane].abs() + rays.d_y[lane].abs() + rays.d_z[lane].abs();
-        is_sound(o, d, rays.t_min[lane], rays.t_max[lane])
-    };
-    let flags = active.as_array();
-    let unsound = (0..N).fold(0, |all, lane| all | flags[lane] & !-i32::from(is_sound(lane)));
+    // Four lanes at a time by hand: this runs before every packet, and left alone becomes shuffles.
+    let mut unsound = 0;
+    for start in (0..N).step_by(4) {
+        let row = |component: &[f32; N]| Vec4::from_slice(&component[start..start + 4]);
+        let largest = Vec4::splat(LARGEST);
+        let [d_x, d_y, d_z] = [row(&rays.d_x).abs(), row(&rays.d_y).abs(), row(&rays.d_z).abs()];
+        let is_sound = (row(&rays.o_x).abs() + d_x).cmple(largest)
+            & (row(&rays.o_y).abs() + d_y).cmple(largest)
+            & (row(&rays.o_z).abs() + d_z).cmple(largest)
+            & (d_x + d_y + d_z).cmpgt(Vec4::ZERO)
+            & row(&rays.t_min).cmple(row(&rays.t_max));
+        unsound |= (is_sound.bitmask() ^ 0b1111) << start;
+    }
     if unsound == 0 {
         return None;
     }
-    let bits = active.lanes().filter(|&lane| is_sound(lane)).fold(0, |bits, lane| bits | 1 << lane);
-    Some(Active::from_bits(bits))
+    let wanted = active.lanes().fold(0, |bits, lane| bits | 1 << lane);
+    if wanted & unsound == 0 { None } else { Some(Active::from_bits(wanted & !unsound)) }
 }
 
 /// Whether Embree takes packets of `n`.
 const fn has_kernel(n: usize) -> bool {
     matches!(n, 4 | 8 | 16)
+}
+
+fn intersect_arguments(coherence: Coherence) -> sys::RTCIntersectArguments {
+    sys::RTCIntersectArguments { flags: flags(coherence), ..sys::rtcInitIntersectArguments() }
+}
+
+fn occluded_arguments(coherence: Coherence) -> sys::RTCOccludedArguments {
+    sys::RTCOccludedArguments { flags: flags(coherence), ..sys::rtcInitOccludedArguments() }
 }
 
 fn flags(coherence: Coherence) -> sys::RTCRayQueryFlags {
@@ -299,34 +332,34 @@ fn preset<const N: usize>(active: &Active<N>, hit: &mut HitPacket<N>) {
     }
 }
 
-/// Copies `count` rays from `start` on to the first lanes.
+/// Copies the `N` rays from `start` on.
 #[inline]
-fn load<const N: usize>(rays: &RayStream, start: usize, count: usize, packet: &mut RayPacket<N>) {
-    let of = start..start + count;
-    packet.o_x[..count].copy_from_slice(&rays.o[0][of.clone()]);
-    packet.o_y[..count].copy_from_slice(&rays.o[1][of.clone()]);
-    packet.o_z[..count].copy_from_slice(&rays.o[2][of.clone()]);
-    packet.t_min[..count].copy_from_slice(&rays.t_min[of.clone()]);
-    packet.d_x[..count].copy_from_slice(&rays.d[0][of.clone()]);
-    packet.d_y[..count].copy_from_slice(&rays.d[1][of.clone()]);
-    packet.d_z[..count].copy_from_slice(&rays.d[2][of.clone()]);
-    packet.time[..count].copy_from_slice(&rays.time[of.clone()]);
-    packet.t_max[..count].copy_from_slice(&rays.t_max[of.clone()]);
-    packet.mask[..count].copy_from_slice(&rays.mask[of]);
+fn load<const N: usize>(rays: &RayStream, start: usize, packet: &mut RayPacket<N>) {
+    let of = start..start + N;
+    packet.o_x.copy_from_slice(&rays.o[0][of.clone()]);
+    packet.o_y.copy_from_slice(&rays.o[1][of.clone()]);
+    packet.o_z.copy_from_slice(&rays.o[2][of.clone()]);
+    packet.t_min.copy_from_slice(&rays.t_min[of.clone()]);
+    packet.d_x.copy_from_slice(&rays.d[0][of.clone()]);
+    packet.d_y.copy_from_slice(&rays.d[1][of.clone()]);
+    packet.d_z.copy_from_slice(&rays.d[2][of.clone()]);
+    packet.time.copy_from_slice(&rays.time[of.clone()]);
+    packet.t_max.copy_from_slice(&rays.t_max[of.clone()]);
+    packet.mask.copy_from_slice(&rays.mask[of]);
 }
 
-/// Copies the answers of the first `count` lanes.
+/// Copies the `N` answers to `start` and on.
 #[inline]
-fn store<const N: usize>(packet: &Packet<N>, start: usize, count: usize, hits: &mut HitStream) {
+fn store<const N: usize>(packet: &Packet<N>, start: usize, hits: &mut HitStream) {
     let hit = &packet.hit;
-    let of = start..start + count;
-    hits.t[of.clone()].copy_from_slice(&packet.ray.t_max[..count]);
-    hits.u[of.clone()].copy_from_slice(&hit.u[..count]);
-    hits.v[of.clone()].copy_from_slice(&hit.v[..count]);
-    hits.ng[0][of.clone()].copy_from_slice(&hit.ng_x[..count]);
-    hits.ng[1][of.clone()].copy_from_slice(&hit.ng_y[..count]);
-    hits.ng[2][of.clone()].copy_from_slice(&hit.ng_z[..count]);
-    hits.prim[of.clone()].copy_from_slice(&hit.prim[..count]);
+    let of = start..start + N;
+    hits.t[of.clone()].copy_from_slice(&packet.ray.t_max);
+    hits.u[of.clone()].copy_from_slice(&hit.u);
+    hits.v[of.clone()].copy_from_slice(&hit.v);
+    hits.ng[0][of.clone()].copy_from_slice(&hit.ng_x);
+    hits.ng[1][of.clone()].copy_from_slice(&hit.ng_y);
+    hits.ng[2][of.clone()].copy_from_slice(&hit.ng_z);
+    hits.prim[of.clone()].copy_from_slice(&hit.prim);
     let named = hit.geometry.iter().zip(&hit.instance);
     for (to, (&geometry, &instance)) in hits.placement[of].iter_mut().zip(named) {
         *to = if instance == sys::RTC_INVALID_GEOMETRY_ID { geometry } else { instance };
