@@ -36,7 +36,27 @@ pub struct Medium {
 
 /// What a surface is made of.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Material {
+pub struct Material {
+    /// What it does with light.
+    pub scattering: Scattering,
+    /// The light it gives off.
+    pub emission: Option<Emission>,
+}
+
+/// Light that a surface gives off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Emission {
+    /// Radiance on the side of the normal.
+    pub radiance: Rgb<f32>,
+    /// Whether the other side shines too.
+    pub two_sided: bool,
+}
+
+/// What a surface does with light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Scattering {
+    /// Nothing: a black surface, or a light.
+    Black,
     /// Matt.
     Diffuse {
         /// Fraction reflected.
@@ -74,49 +94,42 @@ pub enum Material {
         /// Fraction reflected by the base, coat removed.
         base: Texture,
     },
-    /// A black surface that shines.
-    Emission {
-        /// Radiance on the side of the normal.
-        radiance: Rgb<f32>,
-        /// Whether the other side shines too.
-        two_sided: bool,
-    },
 }
 
 impl Material {
     /// The medium that the surface bounds.
     #[must_use]
     pub fn medium(&self) -> Option<&Medium> {
-        if let Self::Dielectric(medium) = self { Some(medium) } else { None }
+        if let Scattering::Dielectric(medium) = &self.scattering { Some(medium) } else { None }
     }
 
     /// Radiance that leaves the surface, on its front or back.
     #[must_use]
     pub fn emitted(&self, front: bool) -> Rgb<f32> {
-        match self {
-            Self::Emission { radiance, two_sided } if front || *two_sided => *radiance,
+        match self.emission {
+            Some(Emission { radiance, two_sided }) if front || two_sided => radiance,
             _ => Rgb::BLACK,
         }
     }
 
-    /// How the surface scatters at surface parameters `uv`; absent for emitters, which are black. `eta` is the index of
+    /// How the surface scatters at surface parameters `uv`; absent for black ones. `eta` is the index of
     /// the far side over that of the near side, and matters to dielectrics only.
     #[must_use]
     pub fn bsdf(&self, uv: Vec2, eta: f32) -> Option<Bsdf<f32>> {
-        Some(match self {
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
-            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: *reflectance }),
-            &Self::Conductor { eta, k, alpha } if alpha < SMOOTHEST => Bsdf::Conductor(Conductor { eta, k }),
-            &Self::Conductor { eta, k, alpha } => {
+        Some(match &self.scattering {
+            Scattering::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
+            Scattering::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: *reflectance }),
+            &Scattering::Conductor { eta, k, alpha } if alpha < SMOOTHEST => Bsdf::Conductor(Conductor { eta, k }),
+            &Scattering::Conductor { eta, k, alpha } => {
                 Bsdf::RoughConductor(RoughConductor { eta, k, ggx: Ggx::isotropic(alpha) })
             }
-            Self::Dielectric(_) => Bsdf::Dielectric(Dielectric { eta }),
-            Self::Glossy { exponent, reflectance, base } => Bsdf::Glossy {
+            Scattering::Dielectric(_) => Bsdf::Dielectric(Dielectric { eta }),
+            Scattering::Glossy { exponent, reflectance, base } => Bsdf::Glossy {
                 lobe: Glossy { reflectance: *reflectance, exponent: *exponent },
                 base: Diffuse { reflectance: base.at(uv) },
             },
-            Self::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(uv))),
-            Self::Emission { .. } => return None,
+            Scattering::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(uv))),
+            Scattering::Black => return None,
         })
     }
 }

@@ -249,9 +249,24 @@ choice! {
     }
 }
 
+record! {
+    /// What a surface is made of.
+    pub struct Material {
+        /// Radiance it gives off besides, on the side of its normals.
+        emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0);
+        ..scattering: Scattering, "What it does with light.";
+    }
+}
+
+impl From<Scattering> for Material {
+    fn from(scattering: Scattering) -> Self {
+        Self { emission: Rgb::BLACK, scattering }
+    }
+}
+
 tagged! {
     /// What a surface does with light.
-    pub enum Material by tag() {
+    pub enum Scattering by tag() {
         /// A matt surface.
         "diffuse" => Diffuse {
             /// The part of the light that is reflected, per channel.

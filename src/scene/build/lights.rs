@@ -7,7 +7,7 @@ use crate::light::{
     Area, Directional, DiscArea, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
     SphereLight, Spot, spot_cosines,
 };
-use crate::material::Material;
+use crate::material::{Emission, Material, Scattering};
 use crate::math::{Aabb, Rgb};
 use crate::scene::build::{Builder, forms, number, steps};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
@@ -58,7 +58,8 @@ impl Builder {
 
     /// Adds a light with its surface; without power it is a black surface.
     fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>) {
-        let material = self.add_material(Material::Emission { radiance, two_sided: false });
+        let emission = Some(Emission { radiance, two_sided: false });
+        let material = self.add_material(Material { scattering: Scattering::Black, emission });
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material]);
         self.surfaces[placement.index()].light = self.add_light(light);

@@ -2,7 +2,7 @@
 
 use crate::bsdf::Coat;
 use crate::error::Problem;
-use crate::material::{Material, Medium, conductors};
+use crate::material::{Emission, Material, Medium, Scattering, conductors};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, Named, Optics};
@@ -18,25 +18,37 @@ impl Builder {
     }
 
     pub(super) fn material(&mut self, material: &description::Material) -> Material {
-        use description::Material as Described;
-        match material {
-            Described::Diffuse { reflectance } => Material::Diffuse { reflectance: texture(reflectance) },
-            &Described::Mirror { reflectance } => Material::Mirror { reflectance },
+        let (scattering, mut radiance, mut two_sided) = self.scattering(&material.scattering);
+        radiance += material.emission;
+        two_sided &= material.emission.is_black();
+        let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
+        Material { scattering, emission }
+    }
+
+    /// What a surface does, the radiance it gives off by its kind, and whether on both sides.
+    fn scattering(&mut self, scattering: &description::Scattering) -> (Scattering, Rgb<f32>, bool) {
+        use description::Scattering as Described;
+        let made = match scattering {
+            Described::Diffuse { reflectance } => Scattering::Diffuse { reflectance: texture(reflectance) },
+            &Described::Mirror { reflectance } => Scattering::Mirror { reflectance },
             Described::Conductor { alpha, optics } => {
                 let (eta, k) = self.optics(optics);
-                Material::Conductor { eta, k, alpha: *alpha }
+                Scattering::Conductor { eta, k, alpha: *alpha }
             }
             &Described::Dielectric { ior, absorption, priority } => {
-                Material::Dielectric(Medium { ior, absorption, priority })
+                Scattering::Dielectric(Medium { ior, absorption, priority })
             }
-            Described::Glossy { exponent, reflectance, diffuse } => {
-                Material::Glossy { exponent: *exponent, reflectance: *reflectance, base: texture(diffuse) }
-            }
+            Described::Glossy { exponent, reflectance, diffuse } => Scattering::Glossy {
+                exponent: *exponent,
+                reflectance: *reflectance,
+                base: texture(diffuse),
+            },
             Described::Glazed { ior, reflectance } => {
-                Material::Glazed { coat: Coat::new(*ior), base: texture(reflectance) }
+                Scattering::Glazed { coat: Coat::new(*ior), base: texture(reflectance) }
             }
-            &Described::Emission { radiance, two_sided } => Material::Emission { radiance, two_sided },
-        }
+            &Described::Emission { radiance, two_sided } => return (Scattering::Black, radiance, two_sided),
+        };
+        (made, Rgb::BLACK, false)
     }
 
     fn optics(&mut self, optics: &Optics) -> (Rgb<f32>, Rgb<f32>) {

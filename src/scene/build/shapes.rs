@@ -3,8 +3,8 @@
 use crate::error::{Error, Place, Problem};
 use crate::geometry::{Disc, PlacementId, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
-use crate::material::{Material, MaterialId};
-use crate::math::{Aabb, Rgb, Transform};
+use crate::material::{Emission, MaterialId};
+use crate::math::{Aabb, Transform};
 use crate::scene::build::{Builder, forms, steps};
 use crate::scene::description::{self, Form, Located, Normals, Step};
 use crate::scene::load::{LoadedMesh, load_obj};
@@ -184,21 +184,21 @@ impl Builder {
     /// Makes a light of a placement whose material emits.
     fn light_up(&mut self, placement: PlacementId, place: &Place) {
         let materials = self.surfaces[placement.index()].materials.clone();
-        let emits = |id: &MaterialId| matches!(self.materials[id.index()], Material::Emission { .. });
-        let Some(&first) = materials.iter().find(|id| emits(id)) else { return };
+        let emission = |id: &MaterialId| self.materials[id.index()].emission;
+        let Some((&first, emission)) = materials.iter().find_map(|id| Some((id, emission(id)?))) else { return };
         if materials.iter().any(|id| *id != first) {
             let what = "a mesh that emits in some of its groups only cannot be asked for light";
             let problem = Problem::at(place.clone(), what);
             return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
         }
-        let Material::Emission { radiance, two_sided } = self.materials[first.index()] else { return };
-        match self.light_at(placement, radiance, two_sided) {
+        match self.light_at(placement, emission) {
             Ok(light) => self.surfaces[placement.index()].light = self.add_light(light),
             Err(what) => self.problems.push(Problem::at(place.clone(), what)),
         }
     }
 
-    fn light_at(&self, placement: PlacementId, radiance: Rgb<f32>, two_sided: bool) -> Result<Light, String> {
+    fn light_at(&self, placement: PlacementId, emission: Emission) -> Result<Light, String> {
+        let Emission { radiance, two_sided } = emission;
         let map = self.world.placements[placement.index()].transform.map(|t| *t.world_from_object());
         let shape = self.world.shape_of(placement);
         let moved = match map {

@@ -22,7 +22,8 @@ pub(crate) mod value;
 mod words;
 
 use crate::error::{Problem, Result};
-use crate::scene::description::{Description, Form, Integrator, Light, Material};
+use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
+use crate::math::Rgb;
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
 pub use obj::{LoadedMesh, load_obj};
@@ -70,7 +71,9 @@ fn warnings(description: &Description) -> Vec<Problem> {
         warnings
             .push(Problem::new("there is no shape: the picture will be empty").remedy("add `[[shapes]]`"));
     }
-    let emission = materials.iter().any(|material| matches!(material.value, Material::Emission { .. }));
+    let emission = materials.iter().any(|material| {
+        matches!(material.value.scattering, Scattering::Emission { .. }) || material.value.emission != Rgb::BLACK
+    });
     let own_materials =
         shapes.iter().any(|shape| shape.material.is_none() && matches!(shape.form, Form::Mesh { .. }));
     if !is_view && lights.is_empty() && !emission && !own_materials {

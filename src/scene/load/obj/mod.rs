@@ -14,7 +14,7 @@ mod vertices;
 
 use crate::error::{Error, Place, Problem, Result};
 use crate::geometry::{Mesh, MeshError};
-use crate::scene::description::{Material, Named, Normals, Texture};
+use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
 use glam::{Vec2, Vec3};
 use mtl::Library;
 use std::path::{Path, PathBuf};
@@ -185,7 +185,7 @@ fn materials(
         return vec![];
     }
     let (library, complete) = library(text, path, warnings);
-    let gray = || Material::Diffuse { reflectance: Texture::gray(0.5) };
+    let gray = || Scattering::Diffuse { reflectance: Texture::gray(0.5) }.into();
     let material = |group: &Option<u16>| {
         let Some((name, line)) = group.map(|i| &text.materials[usize::from(i)]) else {
             let place = Place::file(path);

@@ -15,7 +15,7 @@
 
 use crate::error::{Place, Problem};
 use crate::math::Rgb;
-use crate::scene::description::{Material, Texture};
+use crate::scene::description::{Material, Scattering, Texture};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -71,7 +71,7 @@ impl Library {
 
     fn add(&mut self, entry: Option<Entry>) {
         if let Some(entry) = entry {
-            let material = entry.material();
+            let material = entry.scattering().into();
             self.materials.entry(entry.name).or_insert(material);
         }
     }
@@ -95,23 +95,23 @@ impl Entry {
         Some(())
     }
 
-    fn material(&self) -> Material {
+    fn scattering(&self) -> Scattering {
         let rgb = |[r, g, b]: [f32; 3]| Rgb::new(r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
         let kd = Texture::Constant(rgb(self.kd.unwrap_or([0.5; 3])));
         let shiny = self.ks.iter().any(|&x| x > 0.0);
         if self.ke.iter().any(|&x| x > 0.0) {
             let [r, g, b] = self.ke.map(|x| x.max(0.0));
-            Material::Emission { radiance: Rgb::new(r, g, b), two_sided: false }
+            Scattering::Emission { radiance: Rgb::new(r, g, b), two_sided: false }
         } else if self.is_clear() {
             let ior = if self.ni > 1.0 { self.ni.min(10.0) } else { 1.5 };
-            Material::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 }
+            Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 }
         } else if shiny && [3, 5, 8].contains(&self.illum) {
-            Material::Mirror { reflectance: rgb(self.ks) }
+            Scattering::Mirror { reflectance: rgb(self.ks) }
         } else if shiny && self.ns > 0.0 {
             let exponent = self.ns.min(1e9);
-            Material::Glossy { exponent, reflectance: rgb(self.ks), diffuse: kd }
+            Scattering::Glossy { exponent, reflectance: rgb(self.ks), diffuse: kd }
         } else {
-            Material::Diffuse { reflectance: kd }
+            Scattering::Diffuse { reflectance: kd }
         }
     }
 
@@ -144,17 +144,17 @@ fn color(rest: &str) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Material {
+    fn read(text: &str) -> Scattering {
         let mut library = Library::default();
         library.read(Path::new("x.mtl"), &format!("newmtl x\r\n{text}"));
         assert!(library.warnings.is_empty(), "{:?}", library.warnings);
-        library.materials.remove("x").expect("the material")
+        library.materials.remove("x").expect("the material").scattering
     }
 
     #[test]
     fn each_line_of_the_mapping() {
-        let glass = |ior| Material::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 };
-        let matt = |x| Material::Diffuse { reflectance: Texture::gray(x) };
+        let glass = |ior| Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 };
+        let matt = |x| Scattering::Diffuse { reflectance: Texture::gray(x) };
         let cases = [
             ("Kd 0.25 0.25 0.25", matt(0.25)),
             ("Kd 0.25\nKs 0 0 0\nNs 10", matt(0.25)),
@@ -162,16 +162,16 @@ mod tests {
             ("Kd 2", matt(1.0)),
             ("Kd 0\nd 0\nNi 1\nillum 2", matt(0.0)),
             ("Kd 0\nTf 1 1 1\nTr 0.0\nNi 1.5\nillum 2", matt(0.0)),
-            ("Ke 0 2 0\nd 0.5", Material::Emission { radiance: Rgb::new(0.0, 2.0, 0.0), two_sided: false }),
+            ("Ke 0 2 0\nd 0.5", Scattering::Emission { radiance: Rgb::new(0.0, 2.0, 0.0), two_sided: false }),
             ("d 0.5", glass(1.5)),
             ("Tr 0.75\nNi 1.25", glass(1.25)),
             ("illum 7\nNi 2.4", glass(2.4)),
             ("Tf 1 0.5 1\nNi 1.33", glass(1.33)),
-            ("illum 3\nKs 0.75", Material::Mirror { reflectance: Rgb::gray(0.75) }),
-            ("illum 5\nNi 1\nKs 1 1 1", Material::Mirror { reflectance: Rgb::WHITE }),
+            ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Rgb::gray(0.75) }),
+            ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Rgb::WHITE }),
             (
                 "Kd 0.5\nKs 0.25\nNs 40",
-                Material::Glossy {
+                Scattering::Glossy {
                     exponent: 40.0,
                     reflectance: Rgb::gray(0.25),
                     diffuse: Texture::gray(0.5),

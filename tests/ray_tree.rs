@@ -1,0 +1,275 @@
+//! The ray tree against answers known in closed form: deficits of a glass sphere in a white furnace by depth, the series of
+//! an ideal slab, parallel mirrors, Beer's law, media that nest.
+
+#[path = "support/scene.rs"]
+mod support;
+
+use glam::Vec3;
+use specula::accel::Brute;
+use specula::geometry::Ray;
+use specula::integrator::{Counters, Integrator, Radiance, Stage, Whitted, Worker};
+use specula::material::Media;
+use specula::sampling::SamplerKind;
+use specula::scene::Scene;
+use support::scene_of;
+
+/// What arrives along one ray.
+fn trace(scene: &Scene, whitted: Whitted, ray: Ray, index: u32) -> (Radiance, Counters) {
+    let accel = Brute::new(scene.world.clone());
+    let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
+    let mut worker = Worker::default();
+    let sampler = SamplerKind::Independent.start(1, [0_u32, 0], index);
+    let found = whitted.li(&stage, &ray, &sampler, &mut worker);
+    (found, worker.counters)
+}
+
+const fn whitted(max_depth: u32, min_throughput: f32) -> Whitted {
+    Whitted { max_depth, min_throughput }
+}
+
+/// A ray that meets the unit sphere at the origin at `theta` degrees from the normal.
+fn at_angle(theta_deg: f64) -> Ray {
+    #[expect(clippy::cast_possible_truncation, reason = "a test's ray")]
+    let offset = theta_deg.to_radians().sin() as f32;
+    Ray::new(Vec3::new(offset, 0.0, 3.0), -Vec3::Z)
+}
+
+/// Exact reflectance of glass, in double precision.
+fn fresnel(theta_deg: f64, n: f64) -> f64 {
+    let c = theta_deg.to_radians().cos();
+    let t = (1.0 - (1.0 - c * c) / (n * n)).sqrt();
+    let (s, p) = ((c - n * t) / (c + n * t), (n * c - t) / (n * c + t));
+    (s * s + p * p) / 2.0
+}
+
+const BALL_IN_FURNACE: &str = r#"
+    [materials.glass]
+    type = "dielectric"
+    ior = 1.5
+    [[shapes]]
+    type = "sphere"
+    material = "glass"
+    [[lights]]
+    type = "environment"
+    radiance = 1.0
+"#;
+
+#[test]
+fn a_glass_sphere_in_a_furnace_lacks_what_depth_cuts() {
+    let scene = scene_of(BALL_IN_FURNACE);
+    // Angle, then the deficit at 2, 3, 4, 6, 8, 16 and 32 interfaces.
+    let table = [
+        (0.0, [0.0384, 1.54e-3, 6.1e-5, 9.8e-8, 1.6e-10, 0.0, 0.0]),
+        (60.0, [0.08123, 7.24e-3, 6.5e-4, 5.1e-6, 4.1e-8, 0.0, 0.0]),
+        (75.0, [0.18902, 0.04783, 0.01210, 7.8e-4, 5.0e-5, 8e-10, 0.0]),
+        (85.0, [0.23728, 0.14540, 0.08910, 0.03346, 0.01257, 2.5e-4, 1e-7]),
+        (89.0, [0.08664, 0.07833, 0.07083, 0.05791, 0.04734, 0.02115, 4.2e-3]),
+    ];
+    for (angle, deficits) in table {
+        for (interfaces, printed) in [2, 3, 4, 6, 8, 16, 32].into_iter().zip(deficits) {
+            // Path edges are one more than interfaces.
+            let (found, counters) = trace(&scene, whitted(interfaces + 1, 0.0), at_angle(angle), 0);
+            let deficit = 1.0 - f64::from(found.color.g);
+            let r = fresnel(angle, 1.5);
+            let exact = (1.0 - r) * r.powi(interfaces.cast_signed() - 1);
+            assert!((exact - printed).abs() < 0.02 * printed + 1e-7, "{angle} {interfaces}: table {printed} {exact}");
+            // Single precision of the offset moves grazing angles by 1e-5 degrees.
+            let tolerance = 1e-6 + 2e-4 * exact + if angle > 88.0 { 2e-4 } else { 0.0 };
+            assert!((deficit - exact).abs() < tolerance, "{angle} {interfaces}: {deficit} for {exact}");
+            assert_eq!(counters.cut_by_depth, if exact > 1e-30 { 1 } else { 0 }, "one subtree is cut");
+            assert_eq!(counters.cut_by_attenuation, 0, "nothing is too faint");
+        }
+    }
+}
+
+#[test]
+fn the_deficit_of_the_whole_disc_is_the_tables() {
+    let scene = scene_of(BALL_IN_FURNACE);
+    for (interfaces, mean) in [(2, 0.07268), (3, 0.01149), (4, 0.003_501), (6, 0.000_810), (8, 0.000_308)] {
+        let steps = 4000_u16;
+        let sum: f64 = (0..steps)
+            .map(|i| {
+                // Rings of equal area.
+                let sin = ((f64::from(i) + 0.5) / f64::from(steps)).sqrt();
+                let (found, _) = trace(&scene, whitted(interfaces + 1, 0.0), at_angle(sin.asin().to_degrees()), 0);
+                1.0 - f64::from(found.color.g)
+            })
+            .sum();
+        let found = sum / f64::from(steps);
+        assert!((found - mean).abs() < 0.01 * mean + 2e-6, "{interfaces} interfaces: {found} for {mean}");
+    }
+}
+
+#[test]
+fn attenuation_prunes_less_than_its_bound() {
+    let scene = scene_of(BALL_IN_FURNACE);
+    for angle in [0.0, 45.0, 60.0, 75.0, 85.0] {
+        for eps in [1e-1, 1e-2, 1e-3, 1e-4] {
+            let (found, counters) = trace(&scene, whitted(4000, eps), at_angle(angle), 0);
+            let deficit = 1.0 - f64::from(found.color.g);
+            let bound = f64::from(eps) / (1.0 - fresnel(angle, 1.5));
+            assert!(deficit < bound + 1e-6 && deficit > -1e-6, "{angle} {eps}: {deficit} exceeds {bound}");
+            assert_eq!(counters.cut_by_depth, 0, "depth is no limit here");
+            assert!(counters.cut_by_attenuation >= 1, "something was cut");
+        }
+    }
+}
+
+#[test]
+fn a_slab_sums_its_series() {
+    for (angle, printed) in [
+        (0.0, 0.076_923_076_92),
+        (45.0, 0.095_673_208_54),
+        (60.0, 0.163_767_537_3),
+        (75.0, 0.403_907_952_2),
+        (85.0, 0.759_920_362_2),
+    ] {
+        let (reflected, transmitted) = slab_fractions(angle, 0.0);
+        assert!((reflected - printed).abs() < 2e-5, "{angle}: {reflected} for {printed}");
+        assert!((reflected + transmitted - 1.0).abs() < 1e-5, "{angle}: nothing is lost");
+    }
+    for (factor, reflects, transmits) in
+        [(0.9, 0.069_898_588_570_8, 0.830_516_349_189), (0.5, 0.049_219_687_875_2, 0.460_984_393_758_f64)]
+    {
+        let (reflected, transmitted) = slab_fractions(0.0, -f64::ln(factor));
+        assert!((reflected - reflects).abs() < 1e-6, "A = {factor}: {reflected} for {reflects}");
+        assert!((transmitted - transmits).abs() < 1e-6, "A = {factor}: {transmitted} for {transmits}");
+    }
+}
+
+/// What a slab of thickness 1 reflects and transmits.
+fn slab_fractions(angle_deg: f64, absorption: f64) -> (f64, f64) {
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    let d = glam::DVec3::new(sin, -cos, 0.0).as_vec3();
+    let through = |environment: &str| {
+        let text = format!(
+            r#"
+            [materials.glass]
+            type = "dielectric"
+            absorption = {absorption:?}
+            [materials.light]
+            type = "emission"
+            radiance = 1.0
+            [[shapes]]
+            type = "box"
+            min = [-1e4, -1.0, -1e4]
+            max = [1e4, 0.0, 1e4]
+            material = "glass"
+            [[shapes]]
+            type = "rectangle"
+            center = [0.0, {environment}, 0.0]
+            edge_u = [1e6, 0.0, 0.0]
+            edge_v = [0.0, 0.0, 1e6]
+            material = "light"
+            "#
+        );
+        text
+    };
+    // A light above, facing down, shows what is reflected; one below, facing up, what is transmitted.
+    let above = scene_of(&through("100.0"));
+    let below = scene_of(&through("-100.0").replace("edge_v = [0.0, 0.0, 1e6]", "edge_v = [0.0, 0.0, -1e6]"));
+    let ray = Ray::new(-d * 2.0, d);
+    let seen = |scene: &Scene| f64::from(trace(scene, whitted(400, 1e-9), ray, 0).0.color.g);
+    (seen(&above), seen(&below))
+}
+
+/// Two parallel mirrors that also shine, seen from between them straight on.
+#[test]
+fn parallel_mirrors_sum_a_geometric_series() {
+    for (k, depth, lost) in [(0.8_f64, 5, 1.6384), (0.8, 10, 0.5369), (0.8, 20, 0.0576), (0.8, 50, 7.1e-5)] {
+        let scene = scene_of(&mirrors(k));
+        let ray = Ray::new(Vec3::new(0.01, 0.02, 0.0), Vec3::Z);
+        let (found, counters) = trace(&scene, whitted(depth, 0.0), ray, 0);
+        let deficit = 1.0 / (1.0 - k) - f64::from(found.color.g);
+        let exact = k.powi(depth.cast_signed()) / (1.0 - k);
+        assert!((exact - lost).abs() < 0.01 * lost, "table {lost} {exact}");
+        assert!((deficit - exact).abs() < 2e-6 * 5.0, "{k} {depth}: {deficit} for {exact}");
+        assert_eq!((counters.cut_by_depth, counters.cut_by_attenuation), (1, 0), "depth is the limit");
+    }
+}
+
+#[test]
+fn faint_reflections_end_where_their_share_does() {
+    // The depth at which k^depth falls below one thousandth.
+    for (k, depth) in [(0.8, 31), (0.9, 66), (0.99, 688)] {
+        let scene = scene_of(&mirrors(k));
+        let ray = Ray::new(Vec3::new(0.01, 0.02, 0.0), Vec3::Z);
+        let (_, counters) = trace(&scene, whitted(4000, 1e-3), ray, 0);
+        assert_eq!((counters.cut_by_depth, counters.cut_by_attenuation), (0, 1), "attenuation is the limit");
+        assert_eq!(counters.reflected + 1, depth, "walls seen at reflectance {k}");
+    }
+}
+
+fn mirrors(k: f64) -> String {
+    format!(
+        r#"
+        [materials.wall]
+        type = "mirror"
+        reflectance = {k:?}
+        emission = 1.0
+        [[shapes]]
+        type = "rectangle"
+        center = [0.0, 0.0, 1.0]
+        edge_u = [0.0, 1.0, 0.0]
+        edge_v = [1.0, 0.0, 0.0]
+        material = "wall"
+        [[shapes]]
+        type = "rectangle"
+        center = [0.0, 0.0, -1.0]
+        edge_u = [1.0, 0.0, 0.0]
+        edge_v = [0.0, 1.0, 0.0]
+        material = "wall"
+        "#
+    )
+}
+
+const TOUCHING: &str = r#"
+    [camera]
+    from = [0.0, 0.0, 5.0]
+    at = [0.0, 0.0, 0.0]
+    [materials.glass]
+    type = "dielectric"
+    ior = 1.5
+    priority = 2
+    [materials.water]
+    type = "dielectric"
+    ior = 1.33
+    absorption = [0.0, 0.5, 2.0]
+    priority = 1
+    [[shapes]]
+    type = "box"
+    min = [-9.0, -9.0, 0.0]
+    max = [9.0, 9.0, 1.0]
+    material = "glass"
+    [[shapes]]
+    type = "box"
+    min = [-9.0, -9.0, -2.0]
+    max = [9.0, 9.0, 0.25]
+    material = "water"
+    [[lights]]
+    type = "environment"
+    radiance = 1.0
+"#;
+
+#[test]
+fn overlapping_media_show_the_faces_of_the_stronger_one() {
+    let scene = scene_of(TOUCHING);
+    let (found, counters) = trace(&scene, whitted(2000, 1e-9), Ray::new(Vec3::Z * 5.0, -Vec3::Z), 0);
+    // Air, glass, water of thickness 2, air: intensities of an incoherent stack, by adding faces from the far side.
+    let face = |a: f64, b: f64| ((a - b) / (a + b)).powi(2);
+    let faces = [face(1.0, 1.5), face(1.5, 1.33), face(1.33, 1.0)];
+    for (channel, sigma) in [(found.color.r, 0.0_f64), (found.color.g, 0.5), (found.color.b, 2.0)] {
+        let a = (-sigma * 2.0).exp();
+        // What lies behind reflects `r` and transmits `t`; another face of reflectance f before it, and an absorber
+        // between them that passes p, make a geometric series.
+        let add = |f: f64, p: f64, (r, t): (f64, f64)| {
+            let series = (1.0 - f) / (1.0 - f * p * p * r);
+            (f + (1.0 - f) * p * p * r * series, p * t * series)
+        };
+        let last = (faces[2], 1.0 - faces[2]);
+        let (r, t) = add(faces[0], 1.0, add(faces[1], a, last));
+        let exact = r + t;
+        assert!((f64::from(channel) - exact).abs() < 2e-6, "{channel} for {exact}");
+    }
+    assert!(counters.hidden > 0, "the water's face within the glass is passed");
+}
