@@ -87,7 +87,7 @@ pub fn schlick<F: Lanes>(cos_i: F, r0: F) -> F {
 
 /// Schlick's approximation for a dielectric: the cosine on the side of the lower index, 1 under total reflection.
 ///
-/// Within 0.06 of [`dielectric`] for 1.3 <= eta <= 2.2 or its inverse; wrong outside, worst near 1.
+/// Within 0.07 of [`dielectric`] for 1.3 <= eta <= 2.2 or its inverse; wrong outside, worst near 1.
 #[inline(always)]
 pub fn schlick_dielectric<F: Lanes>(cos_i: F, eta: F) -> F {
     let exact = dielectric(cos_i, eta);
