@@ -48,7 +48,7 @@ impl Spot {
         let width = (self.cos_inner - self.cos_outer).max(1e-7);
         let t = ((cos - self.cos_outer) / width).clamp(0.0, 1.0);
         let fade = t * t * (-t * 2.0 + 3.0);
-        sample.li = sample.li * fade;
+        sample.li *= fade;
         sample.valid = sample.valid & fade.gt(0.0);
         sample
     }

@@ -119,8 +119,7 @@ impl EnvironmentMap {
     }
 
     fn pdf(&self, d: glam::Vec3) -> f32 {
-        let sin = d.x.hypot(d.z);
-        if sin > 0.0 { self.choice.pdf(self.uv(d)) / (2.0 * PI * PI * sin) } else { 0.0 }
+        per_solid_angle(self.choice.pdf(self.uv(d)), d.x.hypot(d.z))
     }
 
     /// Direction, radiance and density.
@@ -130,10 +129,16 @@ impl EnvironmentMap {
         let (sin, cos) = (v * PI).sin_cos();
         let (sin_longitude, cos_longitude) = ((u - 0.5) * TAU - self.rotation).sin_cos();
         let d = glam::Vec3::new(sin * sin_longitude, cos, -sin * cos_longitude);
-        let pdf = if sin > 0.0 { chosen.pdf / (2.0 * PI * PI * sin) } else { 0.0 };
+        let pdf = per_solid_angle(chosen.pdf, sin);
         let Rgb { r, g, b } = self.radiance(d);
         [d.x, d.y, d.z, r, g, b, pdf]
     }
+}
+
+/// A density over the map as one over directions, given the sine of the colatitude. It is infinite at the poles; there
+/// the sine stands for that of the last direction that is drawn.
+fn per_solid_angle(pdf: f32, sin: f32) -> f32 {
+    pdf / (2.0 * PI * PI * sin.max(1e-9))
 }
 
 /// A pixel; columns wrap, rows end.
