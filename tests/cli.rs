@@ -307,8 +307,8 @@ fn a_failed_run_leaves_the_old_output_untouched() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_disk_without_room_is_a_failure_while_running() {
-    // The picture is written to a directory on which nothing can be created: /proc refuses even root.
+fn a_place_that_cannot_be_written_is_a_failure_while_running() {
+    // /proc is a directory in which not even root can create a file.
     let place = Place::new();
     let (status, stdout, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "/proc/a.exr"]);
     assert_eq!((status, stdout.as_str()), (1, ""), "{stderr}");
@@ -403,22 +403,39 @@ fn a_closed_pipe_is_no_error() {
     }
 }
 
-/// Ctrl-C ends a long rendering with status 130 and without files.
+/// Ctrl-C ends a rendering of a quarter of an hour with status 130 and without files.
 #[cfg(unix)]
 #[test]
 fn an_interrupt_ends_with_130_and_no_files() {
+    use std::io::{BufRead as _, BufReader};
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
     let place = Place::new();
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
         .current_dir(place.0.path())
-        .args(["render", "ball.toml", "-o", "a.exr", "--spp", "1000000", "-D", "film.width=640"])
+        .args([
+            "render",
+            "ball.toml",
+            "-o",
+            "a.exr",
+            "--spp",
+            "100000",
+            "--width",
+            "640",
+            "--log-level",
+            "debug",
+        ])
         .stderr(Stdio::piped())
         .spawn()
         .expect("started");
-    std::thread::sleep(Duration::from_millis(500));
-    let id = child.id().to_string();
+    // Its first line says that it listens to signals and has begun.
+    let mut stderr = BufReader::new(child.stderr.take().expect("piped"));
+    let mut line = String::new();
+    stderr.read_line(&mut line).expect("a line");
+    assert!(line.contains("reading ball.toml"), "{line}");
+    std::thread::sleep(Duration::from_millis(300));
     let asked = Instant::now();
+    let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().expect("run").success(), "signalled");
     let status = child.wait().expect("ended");
     assert_eq!(status.code(), Some(130), "status");

@@ -25,6 +25,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let options = RenderOptions::new(args)?;
     limit_threads(&options);
 
+    tracing::debug!("reading {}", options.scene.display());
     let (loaded, load) = Phase::of(|| load(&options));
     let scene = loaded?;
     interrupt.check()?;
@@ -73,12 +74,13 @@ fn tell(options: &RenderOptions, rendered: &Rendered) {
     let statistics = &rendered.statistics;
     let rate = statistics::rate(statistics.counters.rays(), statistics.render.wall).unwrap_or(0.0);
     tracing::info!(
-        "{} samples in {:.1} s, {}rays/s, {}, {} threads",
+        "{} samples in {:.1} s, {}rays/s, {}, {} thread{}",
         statistics.samples,
         statistics.render.wall.as_secs_f64(),
         metric(rate),
         statistics.backend,
         statistics.threads,
+        if statistics.threads == 1 { "" } else { "s" },
     );
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {
