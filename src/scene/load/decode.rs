@@ -66,7 +66,7 @@ impl Fields<'_> {
         };
         let tag = tags.iter().copied().find(|&tag| tag == word);
         if tag.is_none() {
-            let remedy = words::suggest(word, tags, "it must be");
+            let remedy = words::suggest(word, tags);
             self.report.error(&node.spot, format!("unknown type `{word}`"), remedy);
         }
         tag
@@ -115,7 +115,7 @@ impl Fields<'_> {
                 self.report.error(&entry.spot, what, remedy);
                 continue;
             }
-            let remedy = words::suggest(key, &self.known, "known keys are");
+            let remedy = words::suggest_name(key, &self.known, "key");
             self.report.error(&entry.spot, format!("unknown key `{key}`"), remedy);
         }
     }

@@ -85,7 +85,10 @@ fn absent(key: &str, spot: &Spot) -> Node {
 fn item<'a>(items: &'a mut [Node], key: &str) -> Result<&'a mut Node, Fault> {
     let count = items.len();
     if let Ok(i) = key.parse::<usize>() {
-        let fault = (format!("there is no entry {i}"), format!("there are {count}, counted from 0"));
+        let fault = (
+            format!("there is no entry {i}"),
+            format!("entries count from 0, and there are {} of them", words::count(count)),
+        );
         return items.get_mut(i).ok_or(fault);
     }
     let name = |node: &Node| node.get("name").and_then(Node::text).map(String::from);
@@ -95,9 +98,9 @@ fn item<'a>(items: &'a mut [Node], key: &str) -> Result<&'a mut Node, Fault> {
     let names: Vec<String> = items.iter().filter_map(name).collect();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let remedy = if names.is_empty() {
-        format!("none has a name; there are {count}, counted from 0")
+        format!("none of the {count} has a name; they count from 0")
     } else {
-        words::suggest(key, &names, "there are")
+        words::suggest_name(key, &names, "name")
     };
     Err((format!("there is no entry named `{key}`"), remedy))
 }

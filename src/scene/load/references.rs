@@ -46,14 +46,14 @@ fn check_material(shape: &Node, materials: &[&str], report: &mut Report) {
     let kind = shape.get("type").and_then(Node::text);
     let Some(node) = shape.get("material") else {
         if let Some("sphere" | "disc" | "rectangle" | "box") = kind {
-            let remedy = unknown_remedy("", materials, "material");
+            let remedy = words::suggest_name("", materials, "material");
             report.error(&shape.spot, "missing key `material`", remedy);
         }
         return;
     };
     let Some(name) = node.text() else { return };
     if !materials.contains(&name) {
-        let remedy = unknown_remedy(name, materials, "material");
+        let remedy = words::suggest_name(name, materials, "material");
         report.error(&node.spot, format!("unknown material `{name}`"), remedy);
     }
 }
@@ -63,7 +63,7 @@ fn check_instance(shape: &Node, names: &HashMap<&str, &Node>, report: &mut Repor
     if !names.contains_key(name) {
         let mut known: Vec<&str> = names.keys().copied().collect();
         known.sort_unstable();
-        let remedy = unknown_remedy(name, &known, "shape");
+        let remedy = words::suggest_name(name, &known, "shape");
         report.error(&node.spot, format!("unknown shape `{name}`"), remedy);
     }
 }
@@ -75,20 +75,6 @@ fn prototype(shape: &Node) -> Option<(&Node, &str)> {
     }
     let node = shape.get("of")?;
     Some((node, node.text()?))
-}
-
-/// The nearest name, else how many there are to choose from.
-fn unknown_remedy(name: &str, known: &[&str], what: &str) -> String {
-    const SHOWN: usize = 8;
-    if known.is_empty() {
-        return format!("no {what} has a name yet; define it");
-    }
-    let (shown, rest) = known.split_at(known.len().min(SHOWN));
-    match words::nearest(name, known.iter().copied()) {
-        Some(meant) => format!("did you mean `{meant}`?"),
-        None if rest.is_empty() => format!("there is {}", words::list(shown.iter().copied(), "and")),
-        None => format!("there is {} and {} more", words::list(shown.iter().copied(), "and"), rest.len()),
-    }
 }
 
 /// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first.

@@ -19,7 +19,6 @@ fn mismatch<T: Value>(node: &Node, key: &str, found: &str, rules: &Rules, report
 
 impl Value for f32 {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
-        #[expect(clippy::cast_precision_loss, reason = "values are single precision in the end")]
         let exact = match node.content {
             Content::Integer(value) => value as f64,
             Content::Float(value) => value,
@@ -32,6 +31,7 @@ impl Value for f32 {
         }
         let found = match (exact.is_finite(), value.is_finite()) {
             (true, false) => format!("{exact:e}, too large for single precision"),
+            _ if exact != 0.0 && exact.abs() < 1e-4 => format!("{exact:e}"),
             _ => exact.to_string(),
         };
         mismatch(node, key, &found, rules, report)
@@ -63,7 +63,6 @@ macro_rules! integer {
                     };
                     return mismatch(node, key, &found, rules, report);
                 };
-                #[expect(clippy::cast_precision_loss, reason = "bounds are small")]
                 let allowed = rules.allow(value as f64);
                 match Self::try_from(value) {
                     Ok(value) if allowed => Some(value),
@@ -434,7 +433,7 @@ pub(crate) fn decode_choice<C: Choice + Value>(node: &Node, key: &str, report: &
     let found = C::WORDS.iter().find(|&&(known, _, _)| known == word);
     if found.is_none() {
         let known: Vec<&str> = C::WORDS.iter().map(|&(known, _, _)| known).collect();
-        let remedy = words::suggest(word, &known, "it must be");
+        let remedy = words::suggest(word, &known);
         report.error(&node.spot, format!("`{key}` is `{word}`"), remedy);
     }
     found.map(|&(_, _, value)| value)

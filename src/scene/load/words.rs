@@ -35,11 +35,25 @@ pub(crate) fn join(words: &[String], conjunction: &str) -> String {
     }
 }
 
-/// A remedy for a word that is none of the candidates: the nearest one, else all of them.
-pub(crate) fn suggest(word: &str, candidates: &[&str], otherwise: &str) -> String {
+/// A remedy for a word that is none of the candidates: the nearest one, else all of them as what it must be.
+pub(crate) fn suggest(word: &str, candidates: &[&str]) -> String {
     match nearest(word, candidates.iter().copied()) {
         Some(meant) => format!("did you mean `{meant}`?"),
-        None => format!("{otherwise} {}", list(candidates.iter().copied(), "or")),
+        None => format!("it must be {}", list(candidates.iter().copied(), "or")),
+    }
+}
+
+/// A remedy for a name that is none of those there are: the nearest one, else the first few of them.
+pub(crate) fn suggest_name(name: &str, known: &[&str], what: &str) -> String {
+    const SHOWN: usize = 12;
+    if known.is_empty() {
+        return format!("there is no {what}; define it first");
+    }
+    let (shown, rest) = known.split_at(known.len().min(SHOWN));
+    match nearest(name, known.iter().copied()) {
+        Some(meant) => format!("did you mean `{meant}`?"),
+        None if rest.is_empty() => format!("known are {}", list(shown.iter().copied(), "and")),
+        None => format!("known are {}, and {} more", list(shown.iter().copied(), "and"), rest.len()),
     }
 }
 

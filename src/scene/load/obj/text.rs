@@ -75,7 +75,9 @@ impl Faults {
         }
     }
 
+    /// `value` if there was no fault, else all of them from top to bottom.
     pub(super) fn into_result<T>(mut self, value: T) -> crate::error::Result<T> {
+        self.told.0.sort_by(|a, b| a.place.cmp(&b.place));
         if self.untold > 0 {
             let what = format!("and {} more problems", self.untold);
             self.told.push(Problem::at(Place::file(&self.file), what));
