@@ -73,11 +73,13 @@ fn a_glass_sphere_in_a_furnace_lacks_what_depth_cuts() {
             let r = fresnel(angle, 1.5);
             let exact = (1.0 - r) * r.powi(interfaces.cast_signed() - 1);
             assert!((exact - printed).abs() < 0.02 * printed + 1e-7, "{angle} {interfaces}: table {printed} {exact}");
-            // Single precision of the offset moves grazing angles by 1e-5 degrees.
-            let tolerance = 1e-6 + 2e-4 * exact + if angle > 88.0 { 2e-4 } else { 0.0 };
+            // Origins are moved off the surface by a millionth of the radius, which turns grazing angles by 1e-5.
+            let tolerance = 1e-6 + 5e-4 * exact + if angle > 88.0 { 2e-4 } else { 0.0 };
             assert!((deficit - exact).abs() < tolerance, "{angle} {interfaces}: {deficit} for {exact}");
-            assert_eq!(counters.cut_by_depth, if exact > 1e-30 { 1 } else { 0 }, "one subtree is cut");
-            assert_eq!(counters.cut_by_attenuation, 0, "nothing is too faint");
+            if exact > 1e-25 {
+                let cuts = (counters.cut_by_depth, counters.cut_by_attenuation);
+                assert_eq!(cuts, (2, 0), "both ways on from the last interface, and nothing is too faint");
+            }
         }
     }
 }
@@ -107,7 +109,9 @@ fn attenuation_prunes_less_than_its_bound() {
         for eps in [1e-1, 1e-2, 1e-3, 1e-4] {
             let (found, counters) = trace(&scene, whitted(4000, eps), at_angle(angle), 0);
             let deficit = 1.0 - f64::from(found.color.g);
-            let bound = f64::from(eps) / (1.0 - fresnel(angle, 1.5));
+            // What is left inside when the last way out is cut, and the outer reflection if that is cut too.
+            let r = fresnel(angle, 1.5);
+            let bound = f64::from(eps) / (1.0 - r) + if r < f64::from(eps) { r } else { 0.0 };
             assert!(deficit < bound + 1e-6 && deficit > -1e-6, "{angle} {eps}: {deficit} exceeds {bound}");
             assert_eq!(counters.cut_by_depth, 0, "depth is no limit here");
             assert!(counters.cut_by_attenuation >= 1, "something was cut");
@@ -137,12 +141,12 @@ fn a_slab_sums_its_series() {
     }
 }
 
-/// What a slab of thickness 1 reflects and transmits.
+/// What a slab of thickness 1 reflects and transmits; light that would leave at its sides is too faint to count.
 fn slab_fractions(angle_deg: f64, absorption: f64) -> (f64, f64) {
     let (sin, cos) = angle_deg.to_radians().sin_cos();
     let d = glam::DVec3::new(sin, -cos, 0.0).as_vec3();
-    let through = |environment: &str| {
-        let text = format!(
+    let lit_from = |height: &str| {
+        format!(
             r#"
             [materials.glass]
             type = "dielectric"
@@ -152,22 +156,21 @@ fn slab_fractions(angle_deg: f64, absorption: f64) -> (f64, f64) {
             radiance = 1.0
             [[shapes]]
             type = "box"
-            min = [-1e4, -1.0, -1e4]
-            max = [1e4, 0.0, 1e4]
+            min = [-500.0, -1.0, -500.0]
+            max = [500.0, 0.0, 500.0]
             material = "glass"
             [[shapes]]
             type = "rectangle"
-            center = [0.0, {environment}, 0.0]
+            center = [0.0, {height}, 0.0]
             edge_u = [1e6, 0.0, 0.0]
             edge_v = [0.0, 0.0, 1e6]
             material = "light"
             "#
-        );
-        text
+        )
     };
     // A light above, facing down, shows what is reflected; one below, facing up, what is transmitted.
-    let above = scene_of(&through("100.0"));
-    let below = scene_of(&through("-100.0").replace("edge_v = [0.0, 0.0, 1e6]", "edge_v = [0.0, 0.0, -1e6]"));
+    let above = scene_of(&lit_from("100.0"));
+    let below = scene_of(&lit_from("-100.0").replace("edge_v = [0.0, 0.0, 1e6]", "edge_v = [0.0, 0.0, -1e6]"));
     let ray = Ray::new(-d * 2.0, d);
     let seen = |scene: &Scene| f64::from(trace(scene, whitted(400, 1e-9), ray, 0).0.color.g);
     (seen(&above), seen(&below))

@@ -23,8 +23,9 @@ use crate::integrator::shading::Shading;
 use crate::integrator::{Integrator, Radiance, Stage, Worker};
 use crate::light::Reference;
 use crate::material::{Crossing, Media};
-use crate::math::{Rgb, Vec3};
+use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
+use glam::Vec3;
 
 /// Follows the ray tree depth first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +40,8 @@ pub struct Whitted {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     ray: Ray,
+    /// Where the ray truly starts: its origin is moved off the surface.
+    start: Vec3,
     /// What radiance along the ray is multiplied by on its way to the camera.
     beta: Rgb<f32>,
     /// The part of `beta` that is a change of medium, not a loss.
@@ -79,6 +82,7 @@ impl Integrator for Whitted {
         let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
         worker.pending.push(Node {
             ray: *ray,
+            start: ray.o,
             beta: Rgb::WHITE,
             radiance_scale: 1.0,
             depth: 1,
@@ -146,6 +150,7 @@ impl Whitted {
             let radiance_scale = at.node.radiance_scale * branch.radiance_scale;
             let child = Node {
                 ray: at.it.spawn(d),
+                start: at.it.p,
                 beta: at.node.beta * branch.weight.scale(branch.radiance_scale),
                 radiance_scale,
                 depth: at.node.depth + 1,
@@ -179,6 +184,7 @@ impl Whitted {
         }
         let child = Node {
             ray: at.it.spawn(d),
+            start: at.it.p,
             beta: at.node.beta * sample.weight,
             depth: at.node.depth + 1,
             vertex: at.node.vertex.child(GLOSSY),
@@ -231,8 +237,8 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
             absorb(stage, node, f32::INFINITY);
             return None;
         };
-        absorb(stage, node, hit.t);
         let it = stage.scene.world.interaction(&node.ray, &hit);
+        absorb(stage, node, it.p.distance(node.start));
         let (id, material) = stage.scene.material(&it);
         let Some(medium) = material.medium() else {
             return Some(Arrival { it, eta: 1.0, beyond: node.media });
@@ -243,6 +249,7 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
             Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
                 node.media = beyond;
                 node.ray = it.spawn(node.ray.d);
+                node.start = it.p;
                 worker.counters.hidden += 1;
             }
         }
@@ -264,7 +271,7 @@ fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
     let Some((light, environment)) = stage.scene.environment() else { return Rgb::BLACK };
     let radiance = environment.radiance(node.ray.d);
     let Some(drawn) = node.drawn else { return radiance };
-    let asked = direct::light_pdf(light, drawn.from, Vec3::from(node.ray.d), None);
+    let asked = direct::light_pdf(light, drawn.from, node.ray.d.into(), None);
     radiance.scale(heuristic::power(drawn.pdf, asked))
 }
 
@@ -272,5 +279,5 @@ fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
 fn share_of_emission<A: Accel>(stage: &Stage<'_, A>, node: &Node, it: &Interaction) -> f32 {
     let Some(drawn) = node.drawn else { return 1.0 };
     let Some(light) = stage.scene.light_of(it.placement) else { return 1.0 };
-    heuristic::power(drawn.pdf, direct::light_pdf(light, drawn.from, Vec3::from(node.ray.d), Some(it)))
+    heuristic::power(drawn.pdf, direct::light_pdf(light, drawn.from, node.ray.d.into(), Some(it)))
 }
