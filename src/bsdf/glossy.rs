@@ -44,7 +44,8 @@ impl<F: Lanes> Glossy<F> {
         let cos = r.dot(wi);
         // The cosine of a narrow lobe through the chord: 1 - cos would cancel.
         let half_chord2 = (r - wi).length2() * 0.5;
-        let power = ((-half_chord2).max(-1.0).ln_1p() * self.exponent).max(-87.0).exp();
+        // At a right angle the logarithm is infinite, and e = 0 must still give 1.
+        let power = ((-half_chord2).max(-1.0).ln_1p().max(-104.0) * self.exponent).exp();
         let density = (self.exponent + 1.0) * power * (1.0 / TAU);
         let twin_below = (cos * 2.0 * wo.z - wi.z).lt(0.0);
         let density = F::select(twin_below, density * 2.0, density);

@@ -29,7 +29,8 @@ impl<F: Lanes> Ggx<F> {
 
     /// Area of normals about `h` per solid angle and area of the mean surface, 1/sr.
     ///
-    /// Written as a_x a_y / (pi (a_y^2 x^2 / a_x... )^2) without 1 - z^2, which would cancel at low roughness.
+    /// 1 / (pi a_x a_y ((x / a_x)^2 + (y / a_y)^2 + z^2)^2) (Walter et al. 2007, eq. 33, for two roughnesses), with the
+    /// fractions cleared: no quotient by a small roughness overflows, and no 1 - z^2 cancels.
     #[inline(always)]
     pub fn d(&self, h: Vec3<F>) -> F {
         let (ax, ay) = (self.alpha_x, self.alpha_y);
@@ -71,11 +72,13 @@ impl<F: Lanes> Ggx<F> {
     pub fn sample_visible(&self, wo: Vec3<F>, [u, v]: [F; 2]) -> Vec3<F> {
         let one = u.splat(1.0);
         let stretched = Vec3::new(wo.x * self.alpha_x, wo.y * self.alpha_y, wo.z).normalize();
-        let z = (one - v).mul_add(stretched.z + 1.0, -stretched.z);
+        // Height above the rim of the cap, which the sum of both vectors has for its own.
+        let height = (one - v) * (stretched.z + 1.0);
+        let z = height - stretched.z;
         // 1 - z^2 as (1 - z)(1 + z), with 1 - z = v (1 + wo.z) exactly.
         let s = (v * (stretched.z + 1.0) * (z + 1.0)).max(0.0).sqrt();
         let (sin, cos) = u.sin_cos_turns();
-        let h = Vec3::new(cos * s, sin * s, z) + stretched;
-        Vec3::new(h.x * self.alpha_x, h.y * self.alpha_y, h.z.max(1e-30)).normalize()
+        let (x, y) = (cos.mul_add(s, stretched.x), sin.mul_add(s, stretched.y));
+        Vec3::new(x * self.alpha_x, y * self.alpha_y, height.max(1e-30)).normalize()
     }
 }
