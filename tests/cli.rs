@@ -152,11 +152,12 @@ fn wrong_words_end_with_status_2_and_say_what_to_do() {
 #[test]
 fn several_wrong_values_are_told_together() {
     let place = Place::new();
-    let words = ["render", "ball.toml", "--spp", "0", "--view", "x", "--seed", "y", "-D", "film.width=-1"];
+    let words =
+        ["render", "ball.toml", "--spp", "0", "--view", "x", "--seed", "y", "-D", "film.width=-1", "-t0"];
     let (status, _, stderr) = place.run(&words);
     assert_eq!(status, 2, "{stderr}");
     let told = stderr.lines().filter(|line| line.starts_with("error: ")).count();
-    assert_eq!(told, 4, "{stderr}");
+    assert_eq!(told, 5, "{stderr}");
 }
 
 #[test]

@@ -56,7 +56,7 @@ impl RenderOptions {
 }
 
 /// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
-fn overrides(args: &RenderArgs) -> Vec<String> {
+pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
     let view_implied = args.view.as_ref().filter(|_| args.integrator.is_none()).map(|_| "view".to_owned());
     let keys = [
         ("render.spp", args.spp.as_ref()),

@@ -10,8 +10,8 @@ use super::interrupt::Interrupt;
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
 use super::statistics::{self, Times};
-use super::{log, output};
-use crate::error::{Problem, Result};
+use super::{log, options, output};
+use crate::error::{Error, Problem, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
 use crate::render::{self, Phase, Rendered, Settings};
@@ -22,7 +22,7 @@ use crate::scene::{self, Scene};
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
     log::start(args);
     let interrupt = Interrupt::listen();
-    let options = RenderOptions::new(args)?;
+    let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     limit_threads(&options);
 
     tracing::debug!("reading {}", options.scene.display());
@@ -44,6 +44,17 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write_json(path, &report)?;
     }
     output::print(names(&options).as_bytes())
+}
+
+/// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
+fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
+    match (error, scene::load(&args.scene, &options::overrides(args))) {
+        (Error::Input(mut problems), Err(Error::Input(more))) => {
+            problems.0.extend(more.0);
+            Error::Input(problems)
+        }
+        (error, _) => error,
+    }
 }
 
 /// Files are compressed on as many threads as there are for rendering.
