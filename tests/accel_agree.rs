@@ -14,13 +14,13 @@ mod verdict;
 
 use glam::Vec3;
 use rays::{Aim, Rng, worlds};
-use specula::accel::embree::{BuildOptions, EmbreeAccel, Quality, SceneOptions};
+use specula::accel::embree::{BuildOptions, Config, EmbreeAccel, Isa, Quality, SceneOptions};
 use specula::accel::{Accel, Active, Brute, Coherence, HitStream, Packet, RayPacket, RayStream};
 use specula::geometry::{Hit, Mesh, Ray, Shape, World};
 use std::sync::Arc;
 use verdict::{Verdict, judge};
 
-const RAYS_PER_AIM: usize = 8_000;
+const RAYS_PER_AIM: usize = 5_000;
 
 /// One way of asking, and what it found.
 struct Answers {
@@ -54,16 +54,20 @@ impl Tally {
 }
 
 fn backends(world: &Arc<World>) -> Vec<(&'static str, EmbreeAccel)> {
-    let build = |scene| {
-        let options = BuildOptions { scene, ..BuildOptions::default() };
-        EmbreeAccel::build(world, &options).expect("built")
+    let build = |max_isa, scene| {
+        let device = Config { max_isa, ..Config::default() };
+        EmbreeAccel::build(world, &BuildOptions { device, scene }).expect("built")
     };
     let fast = SceneOptions::default();
+    let robust = SceneOptions { robust: true, ..fast };
     vec![
-        ("embree", build(fast)),
-        ("embree robust", build(SceneOptions { robust: true, ..fast })),
-        ("embree compact", build(SceneOptions { compact: true, ..fast })),
-        ("embree high", build(SceneOptions { quality: Quality::High, ..fast })),
+        ("embree", build(None, fast)),
+        ("embree robust", build(None, robust)),
+        ("embree compact", build(None, SceneOptions { compact: true, ..fast })),
+        ("embree high", build(None, SceneOptions { quality: Quality::High, ..fast })),
+        ("embree sse2", build(Some(Isa::Sse2), fast)),
+        ("embree sse2 robust", build(Some(Isa::Sse2), robust)),
+        ("embree avx robust", build(Some(Isa::Avx), robust)),
     ]
 }
 
@@ -323,7 +327,7 @@ fn rays_of_any_numbers_are_survived() {
 fn a_closed_robust_mesh_lets_next_to_nothing_out() {
     let world = Arc::new(rays::closed());
     let mut rng = Rng::new(3);
-    let rays: Vec<Ray> = (0..200_000)
+    let rays: Vec<Ray> = (0..50_000)
         .map(|_| {
             let o = rng.direction() * 0.3;
             Ray::new(o, rays::edge_point(&world, &mut rng) - o)
@@ -334,7 +338,7 @@ fn a_closed_robust_mesh_lets_next_to_nothing_out() {
             let lost = answers.hits.iter().filter(|hit| hit.is_none()).count();
             println!("{name}, {}: {lost} of {} rays at edges and corners lost", answers.kind, rays.len());
             // Without the flag one in ten of these goes lost; with it one in 10^4, for it is not quite watertight.
-            assert!(name != "embree robust" || lost <= 40, "{}: {lost} lost", answers.kind);
+            assert!(!name.ends_with("robust") || lost <= 10, "{}: {lost} lost", answers.kind);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A small harness that compares ways of doing the same thing by their CPU time.
 //!
-//! The contestants of a [`Race`] run in turn, pass after pass, in one process, so that what disturbs the machine
-//! disturbs them alike. Compared are ratios within a pass, to the first contestant of the race; reported are the
+//! The contestants of a [`Race`] run in turn, there and back, pass after pass, in one process, so that what disturbs the
+//! machine disturbs them alike. Compared are ratios within a pass, to the first contestant of the race; reported are the
 //! median over the passes and the spread, half the distance between the quartiles. Absolute rates are of this machine
 //! on that day.
 //!
@@ -17,7 +17,7 @@ use std::path::Path;
 use std::process::Command;
 
 /// Passes that count; one more warms up.
-const PASSES: usize = 15;
+const PASSES: usize = 25;
 
 /// What a bench was asked for, and what it found.
 #[derive(Debug)]
@@ -75,12 +75,15 @@ impl Bench {
         }
         let mut seconds = vec![Vec::new(); race.contestants.len()];
         for pass in 0..=self.passes {
-            for ((_, work), times) in race.contestants.iter_mut().zip(&mut seconds) {
+            let count = race.contestants.len();
+            // There and back again, so that none always runs first.
+            for turn in 0..count {
+                let turn = if pass % 2 == 0 { turn } else { count - 1 - turn };
                 let start = ProcessTime::now();
-                black_box(work());
+                black_box((race.contestants[turn].1)());
                 let spent = start.elapsed().as_secs_f64();
                 if pass > 0 {
-                    times.push(spent);
+                    seconds[turn].push(spent);
                 }
             }
         }
