@@ -4,12 +4,13 @@
 //! without area; they are skipped where the models are absent.
 
 use glam::Vec3;
-use specula::scene::description::{Material, Normals, Texture};
+use specula::scene::description::{Normals, Scattering, Texture};
 use specula::scene::load::{LoadedMesh, load_obj};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 /// The folder of public models, if it is there.
+#[expect(clippy::print_stdout, reason = "a skipped test says so")]
 fn models() -> Option<PathBuf> {
     let data =
         std::env::var_os("SPECULA_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
@@ -201,8 +202,8 @@ fn what_is_left_out_is_told() {
     assert_eq!(groups, [0, 1, 2], "a group per material");
     let names: Vec<&str> = loaded.materials.iter().map(|material| material.name.as_str()).collect();
     assert_eq!(names, ["(none)", "red", "blue"], "in order of use");
-    let gray = Material::Diffuse { reflectance: Texture::gray(0.5) };
-    assert_eq!(loaded.materials[2].value, gray, "undefined");
+    let gray = Scattering::Diffuse { reflectance: Texture::gray(0.5) };
+    assert_eq!(loaded.materials[2].value.scattering, gray, "undefined");
 }
 
 #[test]

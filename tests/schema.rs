@@ -2,7 +2,8 @@
 //! scenes that ship. What it means is worked out here independently of the code that makes it.
 
 use serde_json::Value as Json;
-use specula::scene;
+use specula::error::Error;
+use specula::scene::{self, Loaded};
 use std::fs;
 use std::path::Path;
 
@@ -102,11 +103,11 @@ fn faults_of(toml: &str) -> Vec<String> {
     found
 }
 
-/// Whether the loader accepts a file of this text that lies beside the files of the project's scenes.
-fn loads(dir: &Path, toml: &str) -> bool {
+/// What the loader makes of a file of this text.
+fn load(dir: &Path, toml: &str) -> Result<Loaded, Error> {
     let path = dir.join("scene.toml");
     fs::write(&path, toml).expect("written");
-    scene::load(&path, &[]).is_ok()
+    scene::load(&path, &[])
 }
 
 /// Every key is explained, and says what it is where it is left out or that it must not be.
@@ -154,8 +155,8 @@ const GOOD: &[&str] = &[
     "[camera]\ntype = 'perspective'\nfrom = [0, 1, 2.5]\nat = [0, 0, 0]\nup = [0, 1, 0]\nvfov_deg = 30",
     "[film]\nwidth = 1\nheight = 65536\nfilter = 'box'\nfilter_radius = 0.5\nexposure_ev = -2\ntone = 'clip'",
     "[render]\nintegrator = 'view'\nview = 'cost'\nspp = 1\nmax_depth = 2\nmin_throughput = 0\nbackend = 'brute'\n\
-     sampler = 'independent'\nseed = 9223372036854775807",
-    "[materials]\na = { type = 'diffuse' }\nb = { type = 'mirror', reflectance = [1, 0, 0.5] }\n\
+     sampler = 'independent'\nglass_shadows = 'opaque'\nseed = 9223372036854775807",
+    "[materials]\na = { type = 'diffuse' }\nb = { type = 'mirror', reflectance = [1, 0, 0.5], emission = 2 }\n\
      c = { type = 'conductor', metal = 'Au', alpha = 0.1 }\nd = { type = 'conductor', eta = 1, k = [1, 2, 3] }\n\
      e = { type = 'conductor', reflectance = 0.9, edge_tint = 1 }\nf = { type = 'dielectric', ior = 1 }\n\
      g = { type = 'glossy', diffuse = { checker = [0, [1, 1, 1]], repeat = [2, 4] } }\n\
@@ -223,18 +224,39 @@ const BAD: &[&str] = &[
     "[[lights]]\ntype = 'sphere'\ncenter = [0, 0, 0]\nradius = -1\nradiance = 1",
 ];
 
+/// A folder with the files that the texts name.
+fn folder() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().expect("a temporary directory");
+    fs::write(dir.path().join("mesh.obj"), "").expect("written");
+    fs::write(dir.path().join("sky.hdr"), "").expect("written");
+    dir
+}
+
 #[test]
 fn schema_and_loader_agree() {
-    let dir = tempfile::tempdir().expect("a temporary directory");
-    fs::write(dir.path().join("mesh.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
-    fs::write(dir.path().join("sky.hdr"), "").expect("written");
+    let dir = folder();
     for text in GOOD {
         let errors = faults_of(text);
         assert!(errors.is_empty(), "the schema refuses\n{text}\n{}", errors.join("\n"));
-        assert!(loads(dir.path(), text), "the loader refuses\n{text}");
+        if let Err(error) = load(dir.path(), text) {
+            panic!("the loader refuses\n{text}\n{error}");
+        }
     }
     for text in BAD {
         assert!(!faults_of(text).is_empty(), "the schema accepts\n{text}");
-        assert!(!loads(dir.path(), text), "the loader accepts\n{text}");
+        assert!(load(dir.path(), text).is_err(), "the loader accepts\n{text}");
+    }
+}
+
+/// A description written out and read again is the same, places aside, and so says the schema.
+#[test]
+fn descriptions_survive_being_written() {
+    let dir = folder();
+    for text in GOOD {
+        let first = load(dir.path(), text).expect("good").description.to_json();
+        let written = toml::to_string(&first).expect("JSON without nulls is TOML");
+        assert_eq!(faults_of(&written), [""; 0], "by the schema:\n{written}");
+        let second = load(dir.path(), &written).unwrap_or_else(|error| panic!("{error}\nof\n{written}"));
+        assert_eq!(second.description.to_json(), first, "of\n{text}");
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Every table of the scene file is declared here, once: names, types, units, ranges and defaults of its keys, and the
 //! sentence that explains each. The decoder, the checks, the suggestions and the JSON Schema all come from these
-//! declarations (see [`crate::scene::record`]). Lengths are metres, radiance is W/(sr m^2), angles are degrees.
+//! declarations (the macros of `record.rs`). Lengths are metres, radiance is W/(sr m^2), angles are degrees.
 //!
 //! A description that came out of [`crate::scene::load()`] is valid key by key, its references resolve and the files it
 //! names exist; whether those files can be read and whether a transform is invertible is found out later.
@@ -10,7 +10,7 @@
 use crate::error::Place;
 use crate::math::Rgb;
 use crate::scene::load::check;
-use crate::scene::record::{choice, record, tagged};
+use crate::scene::record::{Value, choice, record, tagged};
 use glam::Vec3;
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -92,6 +92,19 @@ record! {
         shapes: Vec<Located<Shape>>;
         /// Lights; surfaces of an emitting material shine too.
         lights: Vec<Located<Light>>;
+    }
+}
+
+impl Description {
+    /// The same scene as one file without includes would say it, in JSON. Defaults are written out; names of files are
+    /// as seen from the current directory.
+    #[must_use]
+    pub fn to_json(&self) -> serde_json::Value {
+        let mut json = Value::to_json(self);
+        if let Some(object) = json.as_object_mut() {
+            object.shift_remove("include");
+        }
+        json
     }
 }
 

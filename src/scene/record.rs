@@ -141,6 +141,14 @@ pub(crate) trait Table: Sized {
     fn kinds(definitions: &mut Map<String, Json>) -> Vec<Kind>;
 }
 
+/// Adds a key to a table, unless its value is none.
+pub(crate) fn insert<T: Value>(into: &mut Map<String, Json>, key: &str, value: &T) {
+    let json = value.to_json();
+    if !json.is_null() {
+        into.insert(key.into(), json);
+    }
+}
+
 /// One kind of table, for the schema and for remedies.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kind {
@@ -272,7 +280,7 @@ macro_rules! record {
             }
 
             fn write(&self, into: &mut serde_json::Map<String, serde_json::Value>) {
-                $( into.insert(stringify!($key).into(), $crate::scene::record::Value::to_json(&self.$key)); )*
+                $( $crate::scene::record::insert(into, stringify!($key), &self.$key); )*
                 $( $crate::scene::record::Table::write(&self.$rest, into); )?
             }
 
@@ -341,7 +349,7 @@ macro_rules! tagged {
                     $(
                         Self::$Kind { $( $key, )* $( $rest, )? } => {
                             Self::SELECTOR.write($tag, into);
-                            $( into.insert(stringify!($key).into(), $crate::scene::record::Value::to_json($key)); )*
+                            $( $crate::scene::record::insert(into, stringify!($key), $key); )*
                             $( $crate::scene::record::Table::write($rest, into); )?
                         }
                     )+

@@ -63,7 +63,7 @@ fn of_kinds(about: &str, kinds: Vec<Kind>) -> Map<String, Json> {
     let mut objects: Vec<Map<String, Json>> = kinds.into_iter().map(of_kind).collect();
     if objects.len() == 1 {
         let Some(mut only) = objects.pop() else { return schema };
-        only.remove("description");
+        only.shift_remove("description");
         schema.extend(only);
     } else {
         let objects: Vec<Json> = objects.into_iter().map(Json::from).collect();

@@ -1,9 +1,9 @@
 //! From files to a [`Description`].
 //!
-//! A scene file is parsed to a tree that knows where everything stands ([`node`]), files that it includes are merged
-//! into it ([`merge`]), overrides of the command line are applied ([`overrides`]), then the tree is decoded by the
-//! declarations of [`crate::scene::description`] ([`decode`], [`value`], [`check`]) and its names are resolved
-//! ([`references`]). Whatever is wrong is collected ([`report`]) and told at once.
+//! A scene file is parsed to a tree that knows where everything stands (`node`), files that it includes are merged
+//! into it (`merge`), overrides of the command line are applied (`overrides`), then the tree is decoded by the
+//! declarations of [`crate::scene::description`] (`decode`, `value`, `check`) and its names are resolved
+//! (`references`). Whatever is wrong is collected (`report`) and told at once.
 //!
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
 //! for being there, not opened; [`obj`] reads meshes.
@@ -22,8 +22,8 @@ pub(crate) mod value;
 mod words;
 
 use crate::error::{Problem, Result};
-use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
 use crate::math::Rgb;
+use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
 pub use obj::{LoadedMesh, load_obj};
@@ -72,7 +72,8 @@ fn warnings(description: &Description) -> Vec<Problem> {
             .push(Problem::new("there is no shape: the picture will be empty").remedy("add `[[shapes]]`"));
     }
     let emission = materials.iter().any(|material| {
-        matches!(material.value.scattering, Scattering::Emission { .. }) || material.value.emission != Rgb::BLACK
+        matches!(material.value.scattering, Scattering::Emission { .. })
+            || material.value.emission != Rgb::BLACK
     });
     let own_materials =
         shapes.iter().any(|shape| shape.material.is_none() && matches!(shape.form, Form::Mesh { .. }));

@@ -2,7 +2,7 @@
 //! Visualizer, appendix B1).
 //!
 //! A file gives one mesh. Polygons become triangles; each material in use is a group of triangles. How materials are
-//! understood is told in [`mtl`]. Read here rather than by a crate because a message must name the line of a fault, and
+//! understood is told in `mtl.rs`. Read here rather than by a crate because a message must name the line of a fault, and
 //! because corners with and without normals may stand side by side.
 //!
 //! Limits: no free-form surfaces, points, lines, vertex colours or textures; smoothing groups are ignored.
