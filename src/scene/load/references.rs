@@ -15,10 +15,11 @@ pub(crate) fn check(tree: &Node, report: &mut Report) {
         .get("materials")
         .and_then(Node::entries)
         .map_or(vec![], |entries| entries.iter().map(|entry: &Entry| entry.key.as_str()).collect());
+    let known: HashSet<&str> = materials.iter().copied().collect();
     let shapes = tree.get("shapes").and_then(Node::items).unwrap_or(&[]);
     let names = names(shapes, report);
     for shape in shapes {
-        check_material(shape, &materials, report);
+        check_material(shape, &known, &materials, report);
         check_instance(shape, &names, report);
     }
     check_cycles(shapes, &names, report);
@@ -42,7 +43,8 @@ fn names<'a>(shapes: &'a [Node], report: &mut Report) -> HashMap<&'a str, &'a No
     names
 }
 
-fn check_material(shape: &Node, materials: &[&str], report: &mut Report) {
+/// `materials` are those in `known`, in the order of the files.
+fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], report: &mut Report) {
     let kind = shape.get("type").and_then(Node::text);
     let Some(node) = shape.get("material") else {
         if let Some("sphere" | "disc" | "rectangle" | "box") = kind {
@@ -52,7 +54,7 @@ fn check_material(shape: &Node, materials: &[&str], report: &mut Report) {
         return;
     };
     let Some(name) = node.text() else { return };
-    if !materials.contains(&name) {
+    if !known.contains(name) {
         let remedy = words::suggest_name(name, materials, "material");
         report.error(&node.spot, format!("unknown material `{name}`"), remedy);
     }
