@@ -2,6 +2,12 @@
 //!
 //! The normal run takes every 1021st float (4.2 million of them, of all exponents and both signs); the ignored one takes
 //! all 2^32, in about an hour. One ulp is the distance of neighbouring floats at the true value.
+#![expect(clippy::print_stdout, reason = "the errors found are printed, so that stated ones can be revised")]
+#![expect(
+    clippy::cast_possible_truncation,
+    reason = "truths are rounded to be arguments and to find infinities"
+)]
+#![expect(clippy::float_cmp, reason = "limits and special values are exact")]
 
 use std::f64::consts::TAU;
 
