@@ -42,12 +42,9 @@ make_scratch() {
     trap 'exit 130' INT TERM HUP
 }
 
-as_root() {
-    if [ "$(id -u)" -eq 0 ]; then "$@"
-    elif have sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; then sudo "$@"
-    else die "neither root nor sudo here: ask an administrator to run '$*', then run sys/setup.sh again"
-    fi
-}
+can_be_root() { [ "$(id -u)" -eq 0 ] || { have sudo && { sudo -n true 2>/dev/null || [ -t 0 ]; }; }; }
+
+as_root() { if [ "$(id -u)" -eq 0 ]; then "$@"; else sudo "$@"; fi; }
 
 # Runs a command, showing its output only if it fails; $1 says what it was for.
 quietly() {
@@ -67,6 +64,7 @@ apt_update() {
 
 apt_install() {
     have apt-get || die "no apt-get here: install $* by this system's own means, then run sys/setup.sh again"
+    can_be_root || die "neither root nor sudo here: ask an administrator for 'apt-get install $*', then run sys/setup.sh again"
     apt_update
     quietly "installing $*" as_root apt-get -qy --no-install-recommends install "$@"
     say "installed $*"
@@ -205,7 +203,7 @@ apt_candidate() { apt-cache policy libembree-dev 2>/dev/null | sed -n 's/^ *Cand
 apt_has_embree4() {
     have apt-get || return 1
     # No candidate at all: this machine's lists have never been read.
-    if [ -z "$(apt_candidate)" ]; then apt_update; fi
+    if [ -z "$(apt_candidate)" ] && can_be_root; then apt_update; fi
     case $(apt_candidate) in 4.*) return 0 ;; *) return 1 ;; esac
 }
 
