@@ -6,8 +6,22 @@ use std::path::{Path, PathBuf};
 
 /// Lowest first.
 const FLOORS: [&str; 16] = [
-    "math", "error", "image", "sampling", "geometry", "accel", "texture", "bsdf", "material", "light", "camera", "film",
-    "scene", "integrator", "render", "cli",
+    "math",
+    "error",
+    "image",
+    "sampling",
+    "geometry",
+    "accel",
+    "texture",
+    "bsdf",
+    "material",
+    "light",
+    "camera",
+    "film",
+    "scene",
+    "integrator",
+    "render",
+    "cli",
 ];
 
 fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
@@ -55,7 +69,8 @@ fn offences(floor: &str, path: &Path, text: &str) -> Vec<String> {
     let level = |name: &str| FLOORS.iter().position(|floor| *floor == name);
     let own = level(floor);
     let mut wrong = Vec::new();
-    let code: String = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    let code: String =
+        text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
     for used in named(&code) {
         if let (Some(own), Some(used_level)) = (own, level(&used))
             && used_level > own
@@ -66,7 +81,8 @@ fn offences(floor: &str, path: &Path, text: &str) -> Vec<String> {
     if code.contains("embree4_sys") && !path.components().any(|part| part.as_os_str() == "embree") {
         wrong.push(format!("{}: raw bindings outside the Embree backend", path.display()));
     }
-    let may_be_unsafe = ["embree", "lanes"].iter().any(|name| path.components().any(|part| part.as_os_str() == *name));
+    let may_be_unsafe =
+        ["embree", "lanes"].iter().any(|name| path.components().any(|part| part.as_os_str() == *name));
     if code.contains("unsafe_code") && !may_be_unsafe {
         wrong.push(format!("{}: unsafe code outside the Embree backend and the lanes", path.display()));
     }

@@ -72,9 +72,14 @@ fn a_glass_sphere_in_a_furnace_lacks_what_depth_cuts() {
             let deficit = 1.0 - f64::from(found.color.g);
             let r = fresnel(angle, 1.5);
             let exact = (1.0 - r) * r.powi(interfaces.cast_signed() - 1);
-            assert!((exact - printed).abs() < 0.02 * printed + 1e-7, "{angle} {interfaces}: table {printed} {exact}");
+            assert!(
+                (exact - printed).abs() < 0.02 * printed + 1e-7,
+                "{angle} {interfaces}: table {printed} {exact}"
+            );
             // Origins are moved off the surface by a millionth of the radius, which turns grazing angles by 1e-5.
-            let tolerance = 1e-6 + 5e-4 * exact + if angle > 88.0 { 2e-4 } else { 0.0 };
+            let moved =
+                [(88.0, 2e-4), (80.0, 4e-5), (0.0, 1e-6)].into_iter().find(|(from, _)| angle >= *from);
+            let tolerance = 2e-4 * exact + moved.map_or(0.0, |(_, tolerance)| tolerance);
             assert!((deficit - exact).abs() < tolerance, "{angle} {interfaces}: {deficit} for {exact}");
             if exact > 1e-25 {
                 let cuts = (counters.cut_by_depth, counters.cut_by_attenuation);
@@ -93,7 +98,8 @@ fn the_deficit_of_the_whole_disc_is_the_tables() {
             .map(|i| {
                 // Rings of equal area.
                 let sin = ((f64::from(i) + 0.5) / f64::from(steps)).sqrt();
-                let (found, _) = trace(&scene, whitted(interfaces + 1, 0.0), at_angle(sin.asin().to_degrees()), 0);
+                let (found, _) =
+                    trace(&scene, whitted(interfaces + 1, 0.0), at_angle(sin.asin().to_degrees()), 0);
                 1.0 - f64::from(found.color.g)
             })
             .sum();
@@ -170,7 +176,8 @@ fn slab_fractions(angle_deg: f64, absorption: f64) -> (f64, f64) {
     };
     // A light above, facing down, shows what is reflected; one below, facing up, what is transmitted.
     let above = scene_of(&lit_from("100.0"));
-    let below = scene_of(&lit_from("-100.0").replace("edge_v = [0.0, 0.0, 1e6]", "edge_v = [0.0, 0.0, -1e6]"));
+    let below =
+        scene_of(&lit_from("-100.0").replace("edge_v = [0.0, 0.0, 1e6]", "edge_v = [0.0, 0.0, -1e6]"));
     let ray = Ray::new(-d * 2.0, d);
     let seen = |scene: &Scene| f64::from(trace(scene, whitted(400, 1e-9), ray, 0).0.color.g);
     (seen(&above), seen(&below))

@@ -66,7 +66,8 @@ impl Media {
         }
         let beyond = self.without(id);
         // Met from within without having been entered: an open or badly wound surface. Believe the surface.
-        let counts = if self.contains(id) { self.top() == Some(own) } else { beyond.priority() <= own.priority };
+        let counts =
+            if self.contains(id) { self.top() == Some(own) } else { beyond.priority() <= own.priority };
         if !counts {
             return Crossing::Hidden { beyond };
         }

@@ -119,7 +119,9 @@ impl Material {
         Some(match &self.scattering {
             Scattering::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
             Scattering::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: *reflectance }),
-            &Scattering::Conductor { eta, k, alpha } if alpha < SMOOTHEST => Bsdf::Conductor(Conductor { eta, k }),
+            &Scattering::Conductor { eta, k, alpha } if alpha < SMOOTHEST => {
+                Bsdf::Conductor(Conductor { eta, k })
+            }
             &Scattering::Conductor { eta, k, alpha } => {
                 Bsdf::RoughConductor(RoughConductor { eta, k, ggx: Ggx::isotropic(alpha) })
             }

@@ -89,6 +89,16 @@ impl Transform {
         carried + rounded
     }
 
+    /// Bound on the absolute error per axis, in the world, of carrying the world's point `p` into the object: what a backend
+    /// gets wrong about a ray that starts at `p` when it meets an instance.
+    #[must_use]
+    pub fn inverse_point_error(&self, p: Vec3) -> Vec3 {
+        let m = absolute(&self.object_from_world.matrix3);
+        let t = Vec3::from(self.object_from_world.translation.abs());
+        let rounded = (Vec3::from(m * Vec3A::from(p.abs())) + t) * gamma(4);
+        Vec3::from(absolute(&self.world_from_object.matrix3) * Vec3A::from(rounded))
+    }
+
     /// The box around the image of a box.
     #[must_use]
     pub fn aabb(&self, aabb: Aabb) -> Aabb {

@@ -19,7 +19,8 @@ use std::thread;
 /// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
 pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
     let window = window(scene, settings)?;
-    let threads = settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let threads =
+        settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("render {i}"))
@@ -94,7 +95,10 @@ fn timed<A: Accel, I: Integrator>(plan: &Plan<'_>, accel: &A, integrator: &I) ->
     let (film, counters) = traced?;
     let samples = film.samples();
     let hierarchy_bytes = accel.bytes();
-    Ok(Rendered { film, statistics: Statistics { counters, samples, render, hierarchy_bytes, ..Statistics::default() } })
+    Ok(Rendered {
+        film,
+        statistics: Statistics { counters, samples, render, hierarchy_bytes, ..Statistics::default() },
+    })
 }
 
 fn window(scene: &Scene, settings: &Settings) -> Result<Window> {

@@ -15,7 +15,8 @@ pub(super) fn media<A: Accel>(scene: &Scene, accel: &A) -> Media {
         return Media::default();
     }
     // Directions without a pattern, lest they run along edges of a model.
-    let directions = [Vec3::new(0.31, 0.87, -0.38), Vec3::new(-0.71, 0.23, 0.67), Vec3::new(0.53, -0.61, 0.59)];
+    let directions =
+        [Vec3::new(0.31, 0.87, -0.38), Vec3::new(-0.71, 0.23, 0.67), Vec3::new(0.53, -0.61, 0.59)];
     let [a, b, c] = directions.map(|d| bodies(scene, accel, d));
     let agreed = if b == c { b } else { a };
     let bodies = agreed.iter().filter_map(|id| Some((*id, scene.materials[id.index()].medium()?)));

@@ -38,11 +38,9 @@ impl Builder {
             &Described::Dielectric { ior, absorption, priority } => {
                 Scattering::Dielectric(Medium { ior, absorption, priority })
             }
-            Described::Glossy { exponent, reflectance, diffuse } => Scattering::Glossy {
-                exponent: *exponent,
-                reflectance: *reflectance,
-                base: texture(diffuse),
-            },
+            Described::Glossy { exponent, reflectance, diffuse } => {
+                Scattering::Glossy { exponent: *exponent, reflectance: *reflectance, base: texture(diffuse) }
+            }
             Described::Glazed { ior, reflectance } => {
                 Scattering::Glazed { coat: Coat::new(*ior), base: texture(reflectance) }
             }

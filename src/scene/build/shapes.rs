@@ -185,7 +185,9 @@ impl Builder {
     fn light_up(&mut self, placement: PlacementId, place: &Place) {
         let materials = self.surfaces[placement.index()].materials.clone();
         let emission = |id: &MaterialId| self.materials[id.index()].emission;
-        let Some((&first, emission)) = materials.iter().find_map(|id| Some((id, emission(id)?))) else { return };
+        let Some((&first, emission)) = materials.iter().find_map(|id| Some((id, emission(id)?))) else {
+            return;
+        };
         if materials.iter().any(|id| *id != first) {
             let what = "a mesh that emits in some of its groups only cannot be asked for light";
             let problem = Problem::at(place.clone(), what);
