@@ -17,7 +17,7 @@ use specula::light::{
     Area, Directional, DiscArea, Environment, EnvironmentMap, Light, LightSample, MeshArea, Point,
     RectangleArea, Reference, SphereLight, Spot, spot_cosines,
 };
-use specula::math::lanes::{Compare, Isa, Kernel, Lanes, Level};
+use specula::math::lanes::{Isa, Kernel, Lanes, Level};
 use specula::math::{Frame, Rgb, Vec3};
 
 /// Numbers for one lane.
@@ -287,6 +287,7 @@ fn compare(name: &str, found: &[Column], expected: &[Column]) {
     }
 }
 
+#[expect(clippy::print_stdout, reason = "says what was not tested")]
 fn agree<const PART: usize>() {
     let (inputs, lights) = (inputs(), lights());
     let shade = || Shade::<PART> { inputs: &inputs, lights: &lights };

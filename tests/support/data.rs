@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// The rows of a table after its heading, split at commas (fields in quotes come last and are not needed); none, with a
 /// printed line, where the file is absent. `SPECULA_DATA` names another folder than `../shared/data`.
+#[expect(clippy::print_stdout, reason = "says what was not tested")]
 pub(crate) fn rows(name: &str) -> Option<Vec<Vec<String>>> {
     let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
     let folder = std::env::var_os("SPECULA_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
