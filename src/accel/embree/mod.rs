@@ -7,6 +7,21 @@
 //! What is assumed: the layouts asserted in `embree4-sys`, and what Embree's manual promises, quoted where it is
 //! relied on. Limits: one level of instancing, no motion and no user geometry; widths of packets other than 4, 8 and
 //! 16 fall to single rays. Rays that are not sound numbers are kept from Embree: some crash it (`query`).
+//!
+//! ```
+//! use glam::Vec3;
+//! use specula::accel::Accel;
+//! use specula::accel::embree::{BuildOptions, EmbreeAccel};
+//! use specula::geometry::{Ray, Shape, Sphere, World};
+//!
+//! let mut world = World::default();
+//! let ball = world.add_shape(Shape::Sphere(Sphere { center: Vec3::Z * 5.0, radius: 1.0 }));
+//! world.place(ball, None);
+//! let accel = EmbreeAccel::build(&world, &BuildOptions::default())?;
+//! let hit = accel.intersect(&Ray::new(Vec3::ZERO, Vec3::Z)).expect("straight ahead");
+//! assert!((hit.t - 4.0).abs() < 1e-5);
+//! # Ok::<(), specula::accel::embree::EmbreeError>(())
+//! ```
 
 #![expect(unsafe_code, reason = "Embree is a C library")]
 
