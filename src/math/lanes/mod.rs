@@ -1,8 +1,8 @@
 //! One source, any width: the SIMD vocabulary that all shading is written in.
 //!
 //! A kernel is generic over [`Lanes`] (values) or [`Isa`] (the token that makes values) and is compiled once per
-//! instruction set. One lane is plain `f32`; [`Portable`] is arrays of any width; [`Avx2`] and [`Avx512`] are
-//! intrinsics, entered through [`Level`], which is found once at start.
+//! instruction set. One lane is plain `f32`; [`Portable`] is arrays of any width; [`Avx2`] and [`Avx512`] stand
+//! on the crate `fearless_simd`. [`Level`] is found once at start and enters the kernels.
 //!
 //! **A value is the proof.** A wide value can only be made from a token, a token only by run-time detection, so every
 //! operation on a value is a safe function.
