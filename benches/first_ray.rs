@@ -81,12 +81,15 @@ fn run(folder: &Path) -> Value {
 
 fn table(triangles: u64, reports: &[Value]) -> String {
     let median = |path: &str| {
-        let mut values: Vec<f64> =
-            reports.iter().map(|report| report.pointer(path).and_then(Value::as_f64).expect("a number")).collect();
+        let mut values: Vec<f64> = reports
+            .iter()
+            .map(|report| report.pointer(path).and_then(Value::as_f64).expect("a number"))
+            .collect();
         values.sort_by(f64::total_cmp);
         values[values.len() / 2]
     };
-    let mut text = format!("# {triangles} triangles, 1280 x 720, 1 sample per pixel, median of {}\n", reports.len());
+    let mut text =
+        format!("# {triangles} triangles, 1280 x 720, 1 sample per pixel, median of {}\n", reports.len());
     text += "phase,wall_s,cpu_s,share_of_wall\n";
     let phases = ["load", "build", "render", "write"];
     let wall = |phase: &str| median(&format!("/phases/{phase}/wall_s"));

@@ -94,10 +94,11 @@ fn skewed(rng: &mut Random) -> Option<Transform> {
     Transform::new(Affine3A::from_scale_rotation_translation(scale, turn, cube(rng) * 10.0))
 }
 
+type Maker = fn(&mut Random) -> Shape;
+
 #[test]
 fn no_ray_hits_what_it_leaves() {
-    let kinds: [(&str, fn(&mut Random) -> Shape); 3] =
-        [("triangle", triangle), ("sphere", sphere), ("disc", disc)];
+    let kinds: [(&str, Maker); 3] = [("triangle", triangle), ("sphere", sphere), ("disc", disc)];
     for (name, make) in kinds {
         for placed in [false, true] {
             // The bound holds; a tenth of it does not, or it would be wasteful.

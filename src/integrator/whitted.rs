@@ -244,7 +244,10 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
             return Some(Arrival { it, eta: 1.0, beyond: node.media });
         };
         match node.media.cross(id, medium, it.is_front()) {
-            #[expect(clippy::float_cmp, reason = "between equal media nothing is seen and no direction may change")]
+            #[expect(
+                clippy::float_cmp,
+                reason = "between equal media nothing is seen and no direction may change"
+            )]
             Crossing::Interface { eta, beyond } if eta != 1.0 => return Some(Arrival { it, eta, beyond }),
             Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
                 node.media = beyond;

@@ -152,7 +152,7 @@ mod tests {
     fn the_error_bound_holds_against_double_precision() {
         let t = skewed();
         let m = t.world_from_object().matrix3.as_dmat3();
-        let shift = glam::DVec3::from(Vec3::from(t.world_from_object().translation).as_dvec3());
+        let shift = Vec3::from(t.world_from_object().translation).as_dvec3();
         for i in 0..1000_u16 {
             let a = f32::from(i);
             let p = Vec3::new((a * 0.37).sin() * 50.0, (a * 1.3).cos() * 0.01, (a * 0.11).sin() * 900.0);
