@@ -6,7 +6,7 @@ use specula::scene::{self, Scene};
 ///
 /// # Panics
 /// With all that is wrong with the text.
-pub fn scene_of(text: &str) -> Scene {
+pub(crate) fn scene_of(text: &str) -> Scene {
     let folder = tempfile::tempdir().expect("a folder for a scene");
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text).expect("a scene file");
