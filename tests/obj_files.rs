@@ -236,3 +236,56 @@ fn normals_may_stand_beside_faces_without() {
     assert_eq!(mesh.corner_normals(1), Some([Vec3::ZERO; 3]), "zero falls back to the triangle");
     assert!(!load_text(text, Normals::Flat).mesh.has_normals(), "flat");
 }
+
+#[test]
+fn what_writers_of_files_take_for_granted_is_read() {
+    // Comments after statements, colours and weights of positions, continued lines, uv of one number, indices ahead and
+    // backwards, objects in between.
+    let text = "o one # name\nv 0 0 0 # origin\nv 1 0 0 0.5 0.5 0.5\nvt 0.5\nf 1/1 2/-1 \\\n 3/1 # half\no two\n\
+                v 0 1 0 2\nvt 0.25 0.75 0\nf -3/2 -2/2 -1/2\n";
+    let mesh = load_text(text, Normals::File).mesh;
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    assert_eq!((mesh.corners(0), mesh.corners(1)), (corners, corners), "positions");
+    assert_eq!(mesh.positions().len(), 6, "vertices with other uv are apart");
+}
+
+#[test]
+fn indices_far_away_are_refused() {
+    let dir = tempfile::tempdir().expect("a temporary directory");
+    let path = dir.path().join("a.obj");
+    for odd in ["1/-9223372036854775808", "1/9223372036854775807", "1//-2", "1//4294967296", "1/1/1/1", "/1"]
+    {
+        fs::write(&path, format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvn 0 0 1\nf 1 2 {odd}\n"))
+            .expect("written");
+        let found = messages(&path, Normals::File);
+        assert_eq!(found.len(), 1, "{odd}: {found:?}");
+        assert!(found[0].starts_with("a.obj:6: "), "{odd}: {found:?}");
+    }
+}
+
+#[test]
+fn odd_normals_and_libraries_do_no_harm() {
+    let dir = tempfile::tempdir().expect("a temporary directory");
+    let path = dir.path().join("a.obj");
+    let text =
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn nan 0 0\nusemtl red\nf 1//1 2//1 3//2\n";
+    fs::write(&path, text).expect("written");
+    fs::write(dir.path().join("a.mtl"), "newmtl\nKd 1 0 0\n").expect("written");
+    let expected = [
+        "warning: a.obj:6: normals that are not finite are ignored, 1 in all",
+        "warning: a.obj:1: cannot read `a.mtl`: invalid object name; its materials are made gray and diffuse",
+    ];
+    assert_eq!(messages(&path, Normals::File), expected, "warnings");
+    let mesh = load_obj(&path, Normals::File).expect("good").mesh;
+    assert_eq!(mesh.corner_normals(0), Some([Vec3::Z, Vec3::Z, Vec3::ZERO]), "zero falls back");
+}
+
+#[test]
+fn too_many_materials_are_refused() {
+    let dir = tempfile::tempdir().expect("a temporary directory");
+    let path = dir.path().join("a.obj");
+    let faces: String = (0..65536).map(|i| format!("usemtl {i}\nf 1 2 3\n")).collect();
+    fs::write(&path, format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}")).expect("written");
+    let expected = ["a.obj:131074: a mesh can have 65535 materials; use fewer, or split the file"];
+    assert_eq!(messages(&path, Normals::Flat), expected, "one too many");
+}

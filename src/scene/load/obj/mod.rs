@@ -2,14 +2,16 @@
 //! Visualizer, appendix B1).
 //!
 //! A file gives one mesh. Polygons become triangles; each material in use is a group of triangles. How materials are
-//! understood is told in `mtl.rs`. Read here rather than by a crate because a message must name the line of a fault, and
-//! because corners with and without normals may stand side by side.
+//! understood is told in `mtl.rs`. Numbers and indices are read by tobj; what it cannot do is done here: lines are named,
+//! polygons cut, vertices joined and normals averaged, and corners with and without normals may stand side by side.
 //!
 //! Limits: no free-form surfaces, points, lines, vertex colours or textures; smoothing groups are ignored.
 
+mod faults;
 mod mtl;
+mod outline;
 mod polygon;
-mod text;
+mod polygons;
 mod vertices;
 
 use crate::error::{Error, Place, Problem, Result};
@@ -17,8 +19,9 @@ use crate::geometry::{Mesh, MeshError};
 use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
 use glam::{Vec2, Vec3};
 use mtl::Library;
+use outline::Outline;
+use polygons::{Corner, Polygons};
 use std::path::{Path, PathBuf};
-use text::{Corner, Faults, Text};
 use vertices::Vertices;
 
 /// A mesh as its file says.
@@ -37,16 +40,15 @@ pub struct LoadedMesh {
 /// Triangles without area are left out, with a warning. Fails, naming file and line, on coordinates that are not
 /// finite, on faces that refer to what is not there, and on files without a triangle.
 pub fn load_obj(path: &Path, normals: Normals) -> Result<LoadedMesh> {
-    let mut faults = Faults::new(path);
-    let text = Text::parse(&read(path)?, &mut faults);
-    check_indices(&text, &mut faults);
+    let text = read(path)?;
+    let outline = Outline::of(&text);
     let place = |line| Place { line: Some(line), ..Place::file(path) };
     let mut warnings = Vec::new();
-    for (what, line, count) in &text.ignored {
+    for (what, line, count) in &outline.ignored {
         warnings.push(Problem::at(place(*line), format!("{what} are ignored, {count} in all")));
     }
-    faults.into_result(())?;
-    let triangles = Triangles::of(&text, normals);
+    let polygons = Polygons::read(&text, &outline, path, &mut warnings).map_err(Error::Input)?;
+    let triangles = Triangles::of(&polygons, normals);
     if triangles.degenerate > 0 {
         let what = format!("triangles without area are left out, {} in all", triangles.degenerate);
         warnings.push(Problem::at(Place::file(path), what));
@@ -55,9 +57,10 @@ pub fn load_obj(path: &Path, normals: Normals) -> Result<LoadedMesh> {
         let problem = Problem::at(Place::file(path), "there is no triangle in this file");
         return Err(problem.remedy("name a file with faces").into());
     }
-    let materials = materials(&text, &triangles.groups, path, &mut warnings);
-    let mesh =
-        triangles.mesh(&text, normals).map_err(|error| Problem::at(Place::file(path), error.to_string()))?;
+    let materials = materials(&outline, &triangles.groups, path, &mut warnings);
+    let mesh = triangles
+        .mesh(&polygons, normals)
+        .map_err(|error| Problem::at(Place::file(path), error.to_string()))?;
     Ok(LoadedMesh { mesh, materials, warnings })
 }
 
@@ -76,24 +79,6 @@ fn read(path: &Path) -> Result<String> {
     Ok(text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text))
 }
 
-fn check_indices(text: &Text, faults: &mut Faults) {
-    for (i, face) in text.faces.iter().enumerate() {
-        let beyond = text.corners_of(i).iter().find_map(|corner| {
-            let uses = [
-                ("position", Some(corner.position), text.positions.len()),
-                ("uv", corner.uv, text.uvs.len()),
-                ("normal", corner.normal, text.normals.len()),
-            ];
-            uses.into_iter()
-                .find_map(|(what, index, count)| Some((what, index?, count)).filter(|u| u.1 as usize >= u.2))
-        });
-        if let Some((what, index, count)) = beyond {
-            let what = format!("the face refers to {what} {}, but there are {count}", u64::from(index) + 1);
-            faults.push(face.line, what, "indices count from 1 or backwards from -1");
-        }
-    }
-}
-
 /// Triangles whose corners have one index each.
 #[derive(Debug)]
 struct Triangles {
@@ -101,32 +86,31 @@ struct Triangles {
     indices: Vec<[u32; 3]>,
     /// The group of each triangle.
     group_of: Vec<u16>,
-    /// Which material of the text each group is of; none is that of faces before the first `usemtl`.
+    /// Which material of the outline each group is of; none is that of faces before the first `usemtl`.
     groups: Vec<Option<u16>>,
     /// How many were left out because they have no area.
     degenerate: usize,
 }
 
 impl Triangles {
-    fn of(text: &Text, normals: Normals) -> Self {
+    fn of(polygons: &Polygons, normals: Normals) -> Self {
         let mut made = Self {
-            vertices: Vertices::new(text.positions.len()),
+            vertices: Vertices::new(polygons.positions.len()),
             indices: vec![],
             group_of: vec![],
             groups: vec![],
             degenerate: 0,
         };
         let mut points = Vec::new();
-        for (i, face) in text.faces.iter().enumerate() {
-            let corners = text.corners_of(i);
+        for (corners, material) in polygons.iter() {
             points.clear();
-            points.extend(corners.iter().map(|corner| text.positions[corner.position as usize]));
+            points.extend(corners.iter().map(|corner| polygons.positions[corner.position as usize]));
             polygon::triangulate(&points, |triangle| {
                 let [a, b, c] = triangle.map(|i| points[i]);
                 if (b - a).cross(c - a) == Vec3::ZERO {
                     made.degenerate += 1;
                 } else {
-                    made.add(triangle.map(|i| corners[i]), face.material, normals);
+                    made.add(triangle.map(|i| corners[i]), material, normals);
                 }
             });
         }
@@ -147,20 +131,20 @@ impl Triangles {
         });
         #[expect(
             clippy::cast_possible_truncation,
-            reason = "the text has fewer materials than u16 tells apart"
+            reason = "the outline has fewer materials than u16 tells apart"
         )]
         self.group_of.push(group as u16);
     }
 
-    fn mesh(self, text: &Text, normals: Normals) -> std::result::Result<Mesh, MeshError> {
+    fn mesh(self, polygons: &Polygons, normals: Normals) -> std::result::Result<Mesh, MeshError> {
         let corners = &self.vertices.corners;
-        let positions: Vec<Vec3> = corners.iter().map(|c| text.positions[c.position as usize]).collect();
+        let positions: Vec<Vec3> = corners.iter().map(|c| polygons.positions[c.position as usize]).collect();
         let normals = match normals {
             Normals::Flat => None,
-            Normals::File => vertices::file_normals(text, corners),
+            Normals::File => vertices::file_normals(polygons, corners),
             Normals::Smooth => Some(vertices::smooth_normals(&positions, &self.indices)),
         };
-        let uv = |corner: &Corner| corner.uv.map_or(Vec2::ZERO, |i| text.uvs[i as usize]);
+        let uv = |corner: &Corner| corner.uv.map_or(Vec2::ZERO, |i| polygons.uvs[i as usize]);
         let uvs: Option<Vec<Vec2>> =
             corners.iter().any(|corner| corner.uv.is_some()).then(|| corners.iter().map(uv).collect());
         let mut mesh = Mesh::new(positions, self.indices)?;
@@ -176,7 +160,7 @@ impl Triangles {
 
 /// The materials of the groups.
 fn materials(
-    text: &Text,
+    outline: &Outline,
     groups: &[Option<u16>],
     path: &Path,
     warnings: &mut Vec<Problem>,
@@ -184,10 +168,10 @@ fn materials(
     if groups.iter().all(Option::is_none) {
         return vec![];
     }
-    let (library, complete) = library(text, path, warnings);
+    let (library, complete) = library(outline, path, warnings);
     let gray = || Scattering::Diffuse { reflectance: Texture::gray(0.5) }.into();
     let material = |group: &Option<u16>| {
-        let Some((name, line)) = group.map(|i| &text.materials[usize::from(i)]) else {
+        let Some((name, line)) = group.map(|i| &outline.materials[usize::from(i)]) else {
             let place = Place::file(path);
             let what = "faces before the first `usemtl` are made gray and diffuse";
             warnings.push(Problem::at(place.clone(), what));
@@ -208,19 +192,19 @@ fn materials(
 }
 
 /// The materials of all files that the text names, and whether all these files could be read.
-fn library(text: &Text, path: &Path, warnings: &mut Vec<Problem>) -> (Library, bool) {
+fn library(outline: &Outline, path: &Path, warnings: &mut Vec<Problem>) -> (Library, bool) {
     let mut library = Library::default();
     let mut complete = true;
-    for (names, line) in &text.libraries {
+    for (names, line) in &outline.libraries {
         for file in library_files(names, path) {
-            match std::fs::read(&file) {
-                Ok(bytes) => library.read(&file, &String::from_utf8_lossy(&bytes)),
-                Err(error) => {
-                    complete = false;
-                    let place = Place { line: Some(*line), ..Place::file(path) };
-                    let problem = Problem::at(place, format!("cannot read `{}`: {error}", file.display()));
-                    warnings.push(problem.remedy("its materials are made gray and diffuse"));
-                }
+            let read = std::fs::read(&file)
+                .map_err(|error| error.to_string())
+                .and_then(|bytes| library.read(&file, &String::from_utf8_lossy(&bytes)));
+            if let Err(error) = read {
+                complete = false;
+                let place = Place { line: Some(*line), ..Place::file(path) };
+                let problem = Problem::at(place, format!("cannot read `{}`: {error}", file.display()));
+                warnings.push(problem.remedy("its materials are made gray and diffuse"));
             }
         }
     }

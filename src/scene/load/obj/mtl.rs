@@ -4,15 +4,21 @@
 //!
 //! | said | becomes |
 //! |---|---|
-//! | `Ke` above zero | emission of that radiance |
 //! | `illum` 4, 5, 6, 7 or 9 with `Ni` above 1; `d` between 0 and 1; `Tf` neither black nor white with `Ni` above 1 | dielectric of index `Ni`, 1.5 where that is not above 1, without absorption |
 //! | `illum` 3, 5 or 8 with `Ks` above zero | mirror of reflectance `Ks` |
 //! | `Ks` and `Ns` above zero | glossy of exponent `Ns` and reflectance `Ks` over a base of `Kd` |
+//! | `Ke` above zero, `Kd` black or missing | emission alone |
 //! | all else | diffuse of reflectance `Kd`, gray 0.5 where it is missing |
+//!
+//! Each of the others also gives off the radiance `Ke`.
+//!
+//! Lines are checked here, since tobj names none and panics at colours of one number, which stand for gray; what is left
+//! is read by tobj. The first material of a name counts.
 //!
 //! `d 0` means opaque: exporters write it for opaque surfaces, and nobody draws invisible ones. `Tf` filters at a
 //! surface and has no thickness to make absorption of. Textures are not read.
 
+use super::outline::keyword;
 use crate::error::{Place, Problem};
 use crate::math::Rgb;
 use crate::scene::description::{Material, Scattering, Texture};
@@ -27,101 +33,86 @@ pub(super) struct Library {
     pub(super) warnings: Vec<Problem>,
 }
 
-/// What an MTL file says of a material.
-#[derive(Clone, Debug, Default)]
-struct Entry {
-    name: String,
-    kd: Option<[f32; 3]>,
-    ks: [f32; 3],
-    ke: [f32; 3],
-    tf: Option<[f32; 3]>,
-    ns: f32,
-    ni: f32,
-    dissolve: Option<f32>,
-    illum: u32,
-}
-
 impl Library {
-    /// Adds the materials of a file; the first definition of a name counts.
-    pub(super) fn read(&mut self, path: &Path, text: &str) {
+    /// Adds the materials of a file; the first definition of a name counts. Fails, saying why, where tobj refuses all of
+    /// it.
+    pub(super) fn read(&mut self, path: &Path, text: &str) -> Result<(), String> {
         let file: Arc<Path> = path.into();
-        let mut entry: Option<Entry> = None;
+        let mut statements = String::new();
         let mut textures = 0;
-        for (number, line) in (1..).zip(text.lines()) {
-            let (keyword, rest) = line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""));
-            if keyword == "newmtl" {
-                self.add(entry.replace(Entry { name: rest.trim().into(), ..Entry::default() }));
-                continue;
-            }
+        for (number, line) in (1..).zip(text.lines().map(str::trim)) {
+            let (keyword, rest) = keyword(line);
             textures += usize::from(keyword.starts_with("map_"));
-            if let Some(entry) = &mut entry
-                && entry.set(keyword, rest).is_none()
-            {
+            if statement(&mut statements, keyword, rest).is_none() {
                 let place = Place { file: file.clone(), line: Some(number), column: None };
-                let problem = Problem::at(place, format!("`{}` makes no sense and is ignored", line.trim()));
+                let problem = Problem::at(place, format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
             }
         }
-        self.add(entry);
         if textures > 0 {
             let what = format!("textures are not read, {textures} in all");
             self.warnings.push(Problem::at(Place::file(path), what));
         }
-    }
-
-    fn add(&mut self, entry: Option<Entry>) {
-        if let Some(entry) = entry {
-            let material = entry.scattering().into();
-            self.materials.entry(entry.name).or_insert(material);
+        let (materials, _) =
+            tobj::load_mtl_buf(&mut statements.as_bytes()).map_err(|error| error.to_string())?;
+        for material in materials {
+            let understood = understand(&material);
+            self.materials.entry(material.name).or_insert(understood);
         }
+        Ok(())
     }
 }
 
-impl Entry {
-    /// Takes in one line; `None` if it cannot be understood. Lines of no interest are understood.
-    fn set(&mut self, keyword: &str, rest: &str) -> Option<()> {
-        match keyword {
-            "Kd" => self.kd = Some(color(rest)?),
-            "Ks" => self.ks = color(rest)?,
-            "Ke" => self.ke = color(rest)?,
-            "Tf" => self.tf = Some(color(rest)?),
-            "Ns" => self.ns = number(rest)?,
-            "Ni" => self.ni = number(rest)?,
-            "d" => self.dissolve = Some(number(rest.trim_start().trim_start_matches("-halo"))?),
-            "Tr" if self.dissolve.is_none() => self.dissolve = Some(1.0 - number(rest)?),
-            "illum" => self.illum = rest.trim().parse().ok()?,
-            _ => {}
-        }
-        Some(())
-    }
+/// Writes a line down as tobj can read it; `None` if it makes no sense. Lines of no interest are left out.
+fn statement(statements: &mut String, keyword: &str, rest: &str) -> Option<()> {
+    let rest = match keyword {
+        "newmtl" => rest.trim().to_owned(),
+        "Kd" | "Ks" | "Ke" | "Tf" => color(rest)?.map(|x| x.to_string()).join(" "),
+        "Ns" | "Ni" | "Tr" => number(rest)?.to_string(),
+        "d" => number(rest.trim_start().trim_start_matches("-halo"))?.to_string(),
+        "illum" => rest.trim().parse::<u8>().ok()?.to_string(),
+        _ => return Some(()),
+    };
+    statements.extend([keyword, " ", &rest, "\n"]);
+    Some(())
+}
 
-    fn scattering(&self) -> Scattering {
-        let rgb = |[r, g, b]: [f32; 3]| Rgb::new(r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
-        let kd = Texture::Constant(rgb(self.kd.unwrap_or([0.5; 3])));
-        let shiny = self.ks.iter().any(|&x| x > 0.0);
-        if self.ke.iter().any(|&x| x > 0.0) {
-            let [r, g, b] = self.ke.map(|x| x.max(0.0));
-            Scattering::Emission { radiance: Rgb::new(r, g, b), two_sided: false }
-        } else if self.is_clear() {
-            let ior = if self.ni > 1.0 { self.ni.min(10.0) } else { 1.5 };
+fn understand(said: &tobj::Material) -> Material {
+    let [r, g, b] = said.emissive.unwrap_or_default().map(|x| x.max(0.0));
+    let radiance = Rgb::new(r, g, b);
+    let scattering = scattering(said);
+    let matt = matches!(scattering, Scattering::Diffuse { .. });
+    if matt && !radiance.is_black() && said.diffuse.is_none_or(|kd| kd.iter().all(|&x| x <= 0.0)) {
+        return Scattering::Emission { radiance, two_sided: false }.into();
+    }
+    Material { emission: radiance, scattering }
+}
+
+fn scattering(said: &tobj::Material) -> Scattering {
+    let rgb = |[r, g, b]: [f32; 3]| Rgb::new(r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
+    let kd = Texture::Constant(rgb(said.diffuse.unwrap_or([0.5; 3])));
+    let ks = said.specular.filter(|ks| ks.iter().any(|&x| x > 0.0)).map(rgb);
+    let exponent = said.shininess.filter(|&ns| ns > 0.0).map(|ns| ns.min(1e9));
+    let mirror = matches!(said.illumination_model, Some(3 | 5 | 8));
+    match (ks, exponent) {
+        _ if is_clear(said) => {
+            let ior = said.optical_density.filter(|&ni| ni > 1.0).map_or(1.5, |ni| ni.min(10.0));
             Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 }
-        } else if shiny && [3, 5, 8].contains(&self.illum) {
-            Scattering::Mirror { reflectance: rgb(self.ks) }
-        } else if shiny && self.ns > 0.0 {
-            let exponent = self.ns.min(1e9);
-            Scattering::Glossy { exponent, reflectance: rgb(self.ks), diffuse: kd }
-        } else {
-            Scattering::Diffuse { reflectance: kd }
         }
+        (Some(reflectance), _) if mirror => Scattering::Mirror { reflectance },
+        (Some(reflectance), Some(exponent)) => Scattering::Glossy { exponent, reflectance, diffuse: kd },
+        _ => Scattering::Diffuse { reflectance: kd },
     }
+}
 
-    fn is_clear(&self) -> bool {
-        let tinted = |tf: [f32; 3]| tf.iter().any(|&x| x > 0.0) && tf.iter().any(|&x| x < 1.0);
-        let refracts = self.ni > 1.0;
-        self.dissolve.is_some_and(|d| d > 0.0 && d < 1.0)
-            || (refracts && [4, 5, 6, 7, 9].contains(&self.illum))
-            || (refracts && self.tf.is_some_and(tinted))
-    }
+fn is_clear(said: &tobj::Material) -> bool {
+    let unknown = |keyword| said.unknown_param.get(keyword).map(String::as_str);
+    let tinted = |tf: [f32; 3]| tf.iter().any(|&x| x > 0.0) && tf.iter().any(|&x| x < 1.0);
+    let refracts = said.optical_density.is_some_and(|ni| ni > 1.0);
+    let dissolve = said.dissolve.or_else(|| Some(1.0 - unknown("Tr").and_then(number)?));
+    dissolve.is_some_and(|d| d > 0.0 && d < 1.0)
+        || (refracts && matches!(said.illumination_model, Some(4..=7 | 9)))
+        || (refracts && unknown("Tf").and_then(color).is_some_and(tinted))
 }
 
 /// One finite number.
@@ -144,11 +135,11 @@ fn color(rest: &str) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Scattering {
+    fn read(text: &str) -> Material {
         let mut library = Library::default();
-        library.read(Path::new("x.mtl"), &format!("newmtl x\r\n{text}"));
+        library.read(Path::new("x.mtl"), &format!("newmtl x\r\n{text}")).expect("read");
         assert!(library.warnings.is_empty(), "{:?}", library.warnings);
-        library.materials.remove("x").expect("the material").scattering
+        library.materials.remove("x").expect("the material")
     }
 
     #[test]
@@ -162,7 +153,6 @@ mod tests {
             ("Kd 2", matt(1.0)),
             ("Kd 0\nd 0\nNi 1\nillum 2", matt(0.0)),
             ("Kd 0\nTf 1 1 1\nTr 0.0\nNi 1.5\nillum 2", matt(0.0)),
-            ("Ke 0 2 0\nd 0.5", Scattering::Emission { radiance: Rgb::new(0.0, 2.0, 0.0), two_sided: false }),
             ("d 0.5", glass(1.5)),
             ("Tr 0.75\nNi 1.25", glass(1.25)),
             ("illum 7\nNi 2.4", glass(2.4)),
@@ -179,19 +169,50 @@ mod tests {
             ),
         ];
         for (text, expected) in cases {
-            assert_eq!(read(text), expected, "{text}");
+            assert_eq!(read(text), expected.into(), "{text}");
         }
+    }
+
+    #[test]
+    fn what_shines_may_scatter_too() {
+        let radiance = Rgb::new(0.0, 2.0, 0.0);
+        let alone = Scattering::Emission { radiance, two_sided: false };
+        assert_eq!(read("Ke 0 2 0"), alone.clone().into(), "no Kd");
+        assert_eq!(read("Ke 0 2 0\nKd 0 0 0\nKs 0 0 0\nNs 9"), alone.into(), "black");
+        let cases = ["Kd 0.25 0.25 0.25", "d 0.5", "illum 3\nKs 0.75", "Kd 0\nKs 0.25\nNs 40"];
+        for text in cases {
+            let dark = read(text);
+            assert_eq!(dark.emission, Rgb::BLACK, "{text}");
+            let expected = Material { emission: radiance, ..dark };
+            assert_eq!(read(&format!("{text}\nKe 0 2 0")), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_first_of_a_name_counts_and_the_nameless_are_refused() {
+        let mut library = Library::default();
+        library.read(Path::new("x.mtl"), "Kd 1\nnewmtl x\nKd 0.25\nnewmtl x\nKd 0.75\n").expect("read");
+        let matt: Material = Scattering::Diffuse { reflectance: Texture::gray(0.25) }.into();
+        assert_eq!(library.materials.get("x"), Some(&matt), "the first");
+        assert_eq!(
+            library.read(Path::new("x.mtl"), "newmtl\n"),
+            Err("invalid object name".into()),
+            "no name"
+        );
     }
 
     #[test]
     fn what_cannot_be_understood_is_told() {
         let mut library = Library::default();
-        library.read(Path::new("x.mtl"), "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\n");
+        library
+            .read(Path::new("x.mtl"), "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\nillum -1\n")
+            .expect("read");
         let warnings: Vec<String> = library.warnings.iter().map(ToString::to_string).collect();
         let expected = [
             "x.mtl:2: `Kd red` makes no sense and is ignored; give `Kd` finite numbers",
             "x.mtl:3: `Ns nan` makes no sense and is ignored; give `Ns` finite numbers",
             "x.mtl:5: `Ks 1 2` makes no sense and is ignored; give `Ks` finite numbers",
+            "x.mtl:6: `illum -1` makes no sense and is ignored; give `illum` finite numbers",
             "x.mtl: textures are not read, 1 in all",
         ];
         assert_eq!(warnings, expected, "warnings");

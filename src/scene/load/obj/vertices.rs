@@ -1,6 +1,6 @@
 //! Vertices with one index each, out of corners with an index per attribute.
 
-use super::text::{Corner, Text};
+use super::polygons::{Corner, Polygons};
 use glam::Vec3;
 use std::collections::HashMap;
 
@@ -42,8 +42,8 @@ impl Vertices {
 }
 
 /// Normals of the file, zero for vertices without; `None` if no vertex has one.
-pub(super) fn file_normals(text: &Text, vertices: &[Corner]) -> Option<Vec<Vec3>> {
-    let normal = |corner: &Corner| corner.normal.map_or(Vec3::ZERO, |i| text.normals[i as usize]);
+pub(super) fn file_normals(polygons: &Polygons, vertices: &[Corner]) -> Option<Vec<Vec3>> {
+    let normal = |corner: &Corner| corner.normal.map_or(Vec3::ZERO, |i| polygons.normals[i as usize]);
     vertices.iter().any(|corner| corner.normal.is_some()).then(|| vertices.iter().map(normal).collect())
 }
 

@@ -1,0 +1,121 @@
+//! The polygons of an OBJ file as tobj reads them.
+
+use super::faults;
+use super::outline::Outline;
+use crate::error::{Place, Problem, Problems};
+use glam::{Vec2, Vec3};
+use std::path::Path;
+
+/// Polygons whose corners have an index per attribute.
+#[derive(Debug)]
+pub(super) struct Polygons {
+    pub(super) positions: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    /// Normals; zero where the file has one that is not finite.
+    pub(super) normals: Vec<Vec3>,
+    corners: Vec<Corner>,
+    polygons: Vec<Polygon>,
+}
+
+/// What a corner of a polygon refers to; indices count from 0 and name what is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Corner {
+    pub(super) position: u32,
+    pub(super) uv: Option<u32>,
+    pub(super) normal: Option<u32>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Polygon {
+    /// How many corners follow those of the polygon before.
+    corners: u32,
+    material: Option<u16>,
+}
+
+impl Polygons {
+    /// Those of the text of a file, whose outline is given. Fails, naming lines, on numbers that tobj cannot read, on
+    /// coordinates of faces that are not finite, and on indices of what is not there.
+    pub(super) fn read(
+        text: &str,
+        outline: &Outline,
+        path: &Path,
+        warnings: &mut Vec<Problem>,
+    ) -> Result<Self, Problems> {
+        if !outline.sound {
+            return Err(faults::find(text, path, "an index is out of range"));
+        }
+        let mesh = parse(&outline.statements).map_err(|e| faults::find(text, path, &e.to_string()))?;
+        let mut read = Self::of(&mesh, outline);
+        if !read.positions.iter().all(|p| p.is_finite()) || !read.uvs.iter().all(|uv| uv.is_finite()) {
+            return Err(faults::find(text, path, "a coordinate is not finite"));
+        }
+        if read.clear_odd_normals()
+            && let Some((line, count)) = faults::odd_normals(text)
+        {
+            let place = Place { line: Some(line), ..Place::file(path) };
+            let what = format!("normals that are not finite are ignored, {count} in all");
+            warnings.push(Problem::at(place, what));
+        }
+        Ok(read)
+    }
+
+    fn of(mesh: &tobj::Mesh, outline: &Outline) -> Self {
+        let vec3 = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect();
+        let mut read = Self {
+            positions: vec3(&mesh.positions),
+            uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
+            normals: vec3(&mesh.normals),
+            corners: Vec::with_capacity(mesh.indices.len()),
+            polygons: Vec::with_capacity(outline.faces.len()),
+        };
+        for (i, face) in outline.faces.iter().enumerate() {
+            // No arities are given where all faces are triangles.
+            let corners = mesh.face_arities.get(i).copied().unwrap_or(3);
+            read.polygons.push(Polygon { corners, material: face.material });
+            for _ in 0..corners {
+                let i = read.corners.len();
+                let of = |indices: &[u32], has: bool| indices.get(i).copied().filter(|_| has);
+                read.corners.push(Corner {
+                    position: mesh.indices[i],
+                    uv: of(&mesh.texcoord_indices, face.uvs),
+                    normal: of(&mesh.normal_indices, face.normals),
+                });
+            }
+        }
+        read
+    }
+
+    /// Whether there were normals that are not finite. Exporters write them for slivers: zero stands for them, which
+    /// falls back to the triangle's own.
+    fn clear_odd_normals(&mut self) -> bool {
+        let mut any = false;
+        for normal in self.normals.iter_mut().filter(|normal| !normal.is_finite()) {
+            *normal = Vec3::ZERO;
+            any = true;
+        }
+        any
+    }
+
+    /// The corners of each polygon, and which of the outline's materials it has.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (&[Corner], Option<u16>)> {
+        let mut left = &self.corners[..];
+        self.polygons.iter().map(move |polygon| {
+            let (corners, rest) = left.split_at(polygon.corners as usize);
+            left = rest;
+            (corners, polygon.material)
+        })
+    }
+}
+
+/// The one mesh of statements that name neither objects nor materials.
+fn parse(statements: &str) -> Result<tobj::Mesh, tobj::LoadError> {
+    let options = tobj::LoadOptions {
+        single_index: false,
+        triangulate: false,
+        ignore_points: true,
+        ignore_lines: true,
+    };
+    let no_library = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
+    let (models, _) = tobj::load_obj_buf(&mut statements.as_bytes(), &options, no_library)?;
+    Ok(models.into_iter().next().map(|model| model.mesh).unwrap_or_default())
+}
