@@ -1,6 +1,34 @@
 //! Specula: an offline ray tracer for shiny things, on Embree 4.
+//!
+//! ```text
+//! files --load--> Description --build--> Scene --dispatch--> backend x integrator x sampler
+//! for every tile:  Film point -> Pinhole -> Ray -> Accel -> Hit -> Interaction -> Material -> Bsdf
+//!                  Light + Bsdf + Sampler -> Integrator::li -> Tile -> Film -> EXR / PNG
+//! ```
+//!
+//! The modules are floors: each uses itself and lower ones only, in the order given in `ARCHITECTURE.md`. Whoever wants
+//! hits and nothing else needs [`geometry`] and [`accel`]:
+//!
+//! ```
+//! use glam::Vec3;
+//! use specula::accel::Accel;
+//! use specula::accel::embree::{BuildOptions, EmbreeAccel};
+//! use specula::geometry::{Ray, Shape, Sphere, World};
+//!
+//! let mut world = World::default();
+//! let ball = world.add_shape(Shape::Sphere(Sphere { center: Vec3::ZERO, radius: 1.0 }));
+//! world.place(ball, None);
+//! let accel = EmbreeAccel::build(&world, &BuildOptions::default())?;
+//!
+//! let ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z);
+//! let hit = accel.intersect(&ray).expect("the ball is in the way");
+//! assert!((hit.t - 2.0).abs() < 1e-6);
+//! assert!(!accel.occluded(&ray.until(1.9)));
+//! # Ok::<(), specula::accel::embree::EmbreeError>(())
+//! ```
+//!
+//! Whoever wants pictures goes on to [`scene::load()`], [`scene::build()`] and [`render::render`].
 
-// Floors, lowest first: a module may use itself and those above it in this list, never one below.
 pub mod accel;
 pub mod bsdf;
 pub mod camera;
