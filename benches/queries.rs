@@ -25,7 +25,7 @@ use specula::scene::load::load_obj;
 use std::path::PathBuf;
 use support::{Bench, Race};
 
-/// Pixels are four times this, squared.
+/// Pixels sampled, along each side of the picture.
 const TILES: u32 = 96;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

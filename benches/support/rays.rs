@@ -38,21 +38,29 @@ pub(crate) struct Recorded {
     pub(crate) diffuse: Rays,
 }
 
-/// Rays for a picture of `4 * tiles` pixels squared, pixels in tiles of four by four.
+/// Pixels along the edge of the picture whose pixels are sampled.
+const PICTURE: f32 = 512.0;
+
+/// Sixteen rays, four by four, through each of `tiles` x `tiles` pixels spread over a picture: what a renderer asks for that
+/// traces the samples of a pixel together.
 pub(crate) fn record(world: &World, accel: &impl Accel, eye: Vec3, at: Vec3, tiles: u32) -> Recorded {
     let bounds = world.bounds();
     let light = bounds.center() + Vec3::new(0.5, 2.0, 0.7) * bounds.radius();
     let forward = (at - eye).normalize();
     let right = forward.cross(Vec3::Y).normalize();
     let up = right.cross(forward);
-    let size = 4 * tiles;
-    let ndc = |pixel: u32, jitter: f32| (pixel as f32 + jitter) / size as f32 * 2.0 - 1.0;
+    // The middle of a pixel, and the place within it.
+    let ndc = |pixel: u32, within: u32, jitter: f32| {
+        let middle = (pixel as f32 + 0.5) / tiles as f32;
+        let inside = (within as f32 + jitter) / 4.0 - 0.5;
+        (middle + inside / PICTURE) * 2.0 - 1.0
+    };
     let (mut primary, mut shadow, mut diffuse) = (Vec::new(), Vec::new(), Vec::new());
-    for index in 0..size * size {
-        let (tile, within) = (index / 16, index % 16);
-        let (x, y) = (tile % tiles * 4 + within % 4, tile / tiles * 4 + within / 4);
+    for index in 0..16 * tiles * tiles {
+        let (pixel, within) = (index / 16, index % 16);
         let [a, b, c] = random(index, 0);
-        let ray = Ray::new(eye, forward + (right * ndc(x, a) - up * ndc(y, b)) * 0.4);
+        let (x, y) = (ndc(pixel % tiles, within % 4, a), ndc(pixel / tiles, within / 4, b));
+        let ray = Ray::new(eye, forward + (right * x - up * y) * 0.4);
         primary.push(ray);
         let Some(hit) = accel.intersect(&ray) else { continue };
         let point = world.interaction(&ray, &hit);

@@ -164,6 +164,11 @@ impl Builder {
     ) -> Option<Made> {
         let loaded = self.mesh_of_file(file, normals)?;
         let groups = loaded.mesh.group_count();
+        if own.is_none() && loaded.materials.len() < groups {
+            let problem = Problem::at(file.place.clone(), "the file brings no materials");
+            self.problems.push(problem.remedy("give the shape a `material`"));
+            return None;
+        }
         let materials = match own {
             Some(id) => vec![id; groups],
             None => loaded.materials.iter().map(|named| self.material_of_file(named)).collect(),
