@@ -55,7 +55,10 @@ radiance = 1.0
 type = "environment"
 radiance = 2.0
 "#;
-    let files = [("bad.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"), ("flat.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n")];
+    let files = [
+        ("bad.obj", "v 0 0 0\nv nan 0 0\nv 0 1 0\nf 1 2 3\n"),
+        ("flat.obj", "v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n"),
+    ];
     let found = problems(text, &files);
     for part in [
         "scene.toml:4:9: unknown metal `Unobtainium`; known are ",
