@@ -37,7 +37,7 @@ const STATED: [(Function, f64); 12] = [
     (Exp, 1.1),
     (ExpM1, 1.5),
     (Ln, 1.0),
-    (Ln1p, 1.5),
+    (Ln1p, 1.6),
     (Sin, 1.0),
     (Cos, 1.0),
     (SinTurns, 1.1),

@@ -171,7 +171,7 @@ pub trait Lanes:
     fn ln(self) -> Self {
         functions::ln(self)
     }
-    /// ln(1 + x) within 1.5 ulp, near zero too; minus infinity at -1, NaN below. Minus zero gives plus zero.
+    /// ln(1 + x) within 1.6 ulp, near zero too; minus infinity at -1, NaN below. Minus zero gives plus zero.
     #[inline(always)]
     fn ln_1p(self) -> Self {
         functions::ln_1p(self)
