@@ -18,7 +18,7 @@ use direct::{Direct, DirectStream, sum_of};
 use glam::Vec3;
 use rays::{Rays, Recorded, record};
 use specula::accel::embree::{BuildOptions, EmbreeAccel};
-use specula::accel::{Accel, Active, Coherence, HitPacket, HitStream, Packet, RayPacket};
+use specula::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket};
 use specula::geometry::{Mesh, Shape, World};
 use specula::scene::description::Normals;
 use specula::scene::load::load_obj;
@@ -195,8 +195,10 @@ fn single_occluded(accel: &EmbreeAccel, rays: &Rays) -> u64 {
 }
 
 fn packet<const N: usize>(accel: &EmbreeAccel, packets: &[RayPacket<N>], coherence: Coherence) -> u64 {
+    // A query presets the identifiers by itself: one packet serves for all.
+    let mut packet = Packet::EMPTY;
     packets.iter().fold(0, |sum, ray| {
-        let mut packet = Packet { ray: *ray, hit: HitPacket::NONE };
+        packet.ray = *ray;
         accel.intersect_packet(&Active::ALL, &mut packet, coherence);
         sum + sum_of(&packet.ray.t_max, &packet.hit.geometry)
     })
@@ -216,5 +218,5 @@ fn packet_occluded<const N: usize>(
 
 fn stream(accel: &EmbreeAccel, rays: &Rays, hits: &mut HitStream, coherence: Coherence) -> u64 {
     accel.intersect_stream(&rays.stream, hits, coherence);
-    (0..hits.len()).filter(|&i| hits.get(i).is_some()).count() as u64
+    (0..hits.len()).filter(|&i| hits.is_hit(i)).count() as u64
 }

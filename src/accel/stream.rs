@@ -100,10 +100,16 @@ impl HitStream {
         self.placement.resize(len, NONE);
     }
 
+    /// Whether the answer at `i` is a hit.
+    #[must_use]
+    pub fn is_hit(&self, i: usize) -> bool {
+        self.placement[i] != NONE
+    }
+
     /// The answer at `i`.
     #[must_use]
     pub fn get(&self, i: usize) -> Option<Hit> {
-        if self.placement[i] == NONE {
+        if !self.is_hit(i) {
             return None;
         }
         Some(Hit {

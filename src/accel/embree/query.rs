@@ -19,7 +19,7 @@ use crate::accel::packet::placement;
 use crate::accel::{Active, Coherence, HitPacket, HitStream, Packet, RayPacket, RayStream};
 use crate::geometry::{Hit, Ray};
 use embree4_sys as sys;
-use glam::{Vec3, Vec4};
+use glam::{BVec4A, Vec3, Vec4};
 use std::mem::{align_of, offset_of, size_of};
 use std::ptr::null_mut;
 
@@ -282,22 +282,33 @@ fn sound(ray: &Ray) -> Option<sys::RTCRay> {
 /// The active lanes that may be traced, if those are not all of them.
 #[inline]
 fn soundness<const N: usize>(active: &Active<N>, rays: &RayPacket<N>) -> Option<Active<N>> {
-    // Four lanes at a time by hand: this runs before every packet, and left alone becomes shuffles.
-    let mut unsound = 0;
+    // This runs before every packet: one sum and one comparison say that all is well. What is not a number, or not
+    // finite, stays so in a sum.
+    let mut sum = Vec4::ZERO;
+    let mut ordered = BVec4A::splat(true);
     for start in (0..N).step_by(4) {
         let row = |component: &[f32; N]| Vec4::from_slice(&component[start..start + 4]);
-        let largest = Vec4::splat(LARGEST);
-        let is_sound = (row(&rays.o_x).abs() + row(&rays.d_x).abs()).cmple(largest)
-            & (row(&rays.o_y).abs() + row(&rays.d_y).abs()).cmple(largest)
-            & (row(&rays.o_z).abs() + row(&rays.d_z).abs()).cmple(largest)
-            & row(&rays.t_min).cmple(row(&rays.t_max));
-        unsound |= (is_sound.bitmask() ^ 0b1111) << start;
+        let origins = row(&rays.o_x).abs() + row(&rays.o_y).abs() + row(&rays.o_z).abs();
+        sum += origins + (row(&rays.d_x).abs() + row(&rays.d_y).abs() + row(&rays.d_z).abs());
+        ordered &= row(&rays.t_min).cmple(row(&rays.t_max));
     }
-    if unsound == 0 {
+    if (ordered & sum.cmple(Vec4::splat(LARGEST))).all() {
         return None;
     }
-    let wanted = active.lanes().fold(0, |bits, lane| bits | 1 << lane);
-    if wanted & unsound == 0 { None } else { Some(Active::from_bits(wanted & !unsound)) }
+    unsound(active, rays)
+}
+
+/// As [`soundness`], lane by lane.
+#[cold]
+fn unsound<const N: usize>(active: &Active<N>, rays: &RayPacket<N>) -> Option<Active<N>> {
+    let bits = |lanes: &mut dyn Iterator<Item = usize>| lanes.fold(0, |bits, lane| bits | 1 << lane);
+    let wanted = bits(&mut active.lanes());
+    let is_sound = |lane: &usize| {
+        let ray = rays.get(*lane);
+        (ray.o.abs() + ray.d.abs()).cmple(Vec3::splat(LARGEST)).all() && ray.t_min <= ray.t_max
+    };
+    let sound = bits(&mut active.lanes().filter(is_sound));
+    (sound != wanted).then(|| Active::from_bits(sound))
 }
 
 /// Whether Embree takes packets of `n`.
