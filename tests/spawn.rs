@@ -63,6 +63,7 @@ fn point_of(rng: &mut Random, shape: &Shape) -> Vec3 {
             let [u, v] = rng.pair();
             disc.center + (x * (u - 0.5) + y * (v - 0.5)) * disc.radius
         }
+        Shape::Surface(_) => unreachable!("not among the kinds"),
     }
 }
 

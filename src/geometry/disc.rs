@@ -1,7 +1,10 @@
 //! Flat round discs.
 
+use crate::geometry::SurfacePoint;
+use crate::geometry::surface::ROUND_ROUNDINGS;
 use crate::math::Aabb;
-use glam::Vec3;
+use crate::math::float::UNIT_ROUNDOFF;
+use glam::{Vec2, Vec3};
 
 /// A disc, hit from both sides; its normal is the outward one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,5 +42,14 @@ impl Disc {
     #[must_use]
     pub fn project(&self, p: Vec3) -> Vec3 {
         p - self.normal * (p - self.center).dot(self.normal)
+    }
+    /// The point of the disc nearest to `near`; its parameters are angle and distance from the centre.
+    pub(super) fn point(&self, near: Vec3) -> SurfacePoint {
+        let p = self.project(near);
+        let p_error = (self.center.abs() + self.radius) * (ROUND_ROUNDINGS * UNIT_ROUNDOFF);
+        let (x, y) = self.normal.any_orthonormal_pair();
+        let out = (p - self.center) / self.radius;
+        let angle = out.dot(y).atan2(out.dot(x)) / std::f32::consts::TAU;
+        SurfacePoint::smooth(p, p_error, self.normal, Vec2::new(angle.rem_euclid(1.0), out.length()))
     }
 }

@@ -1,6 +1,8 @@
 //! Triangle meshes.
 
-use crate::math::{Aabb, Transform};
+use crate::geometry::{ShapeHit, SurfacePoint};
+use crate::math::float::{UNIT_ROUNDOFF, gamma};
+use crate::math::{Aabb, Transform, motion};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
@@ -12,7 +14,22 @@ pub struct Mesh {
     normals: Option<Arc<[Vec3]>>,
     uvs: Option<Arc<[Vec2]>>,
     groups: Option<Arc<[u16]>>,
+    /// The first triangle of each face of one or two triangles.
+    faces: Option<Arc<[u32]>>,
+    /// What the vertices do after the opening of the shutter: keys at equal steps to its closing; empty if they stay.
+    later: Arc<[Key]>,
 }
+
+/// A mesh at another moment.
+#[derive(Clone, Debug, PartialEq)]
+struct Key {
+    positions: Arc<[Vec3]>,
+    normals: Option<Arc<[Vec3]>>,
+}
+
+/// Roundings that an intersection test spends on a point near its own triangle; `tests/spawn.rs` counts the rays that a
+/// smaller number lets hit what they leave.
+const TRIANGLE_ROUNDINGS: f32 = 4.0;
 
 /// Why a mesh was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -43,6 +60,20 @@ pub enum MeshError {
         /// Which vertex, from 0.
         vertex: usize,
     },
+    /// A face that is neither one triangle nor two that share an edge as they must.
+    #[error("face {face} is neither a triangle nor a pair [a, b, c], [a, c, d] of one group")]
+    Face {
+        /// Which face, from 0.
+        face: usize,
+    },
+    /// More keys than [`motion::MOST_KEYS`].
+    #[error("{found} keys, but there can be {most} at most")]
+    Keys {
+        /// How many there are, that of the opening of the shutter counted.
+        found: usize,
+        /// How many there can be.
+        most: usize,
+    },
 }
 
 impl Mesh {
@@ -50,16 +81,15 @@ impl Mesh {
     /// must be finite.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         let count = positions.len();
-        if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
-            return Err(MeshError::NotFinite { vertex });
-        }
+        check_finite(&positions)?;
         for (triangle, indices) in triangles.iter().enumerate() {
             if let Some(&vertex) = indices.iter().find(|&&i| i as usize >= count) {
                 return Err(MeshError::Index { triangle, vertex, count });
             }
         }
         let (positions, triangles) = (positions.into(), triangles.into());
-        Ok(Self { positions, triangles, normals: None, uvs: None, groups: None })
+        let later = Arc::default();
+        Ok(Self { positions, triangles, normals: None, uvs: None, groups: None, faces: None, later })
     }
 
     /// The same mesh with a shading normal per vertex, of any length; zero ones fall back to the triangle's own.
@@ -80,6 +110,53 @@ impl Mesh {
         Ok(Self { groups: Some(groups.into()), ..self })
     }
 
+    /// The same mesh, in which each face of a file is told by its first triangle: faces have one triangle or two, `[a, b, c]`
+    /// and `[a, c, d]`, of one group. A backend may hold the two as one quad; nothing else changes.
+    pub fn with_faces(self, faces: Vec<u32>) -> Result<Self, MeshError> {
+        let ends = faces.iter().skip(1).map(|&first| first as usize).chain([self.triangles.len()]);
+        let mut next = 0;
+        for (face, (&first, end)) in faces.iter().zip(ends).enumerate() {
+            let start = first as usize;
+            let sound = start == next
+                && match self.triangles.get(start..end) {
+                    Some([_]) => true,
+                    Some([[a, _, c], [d, e, _]]) => {
+                        [a, c] == [d, e] && self.group(first) == self.group(first + 1)
+                    }
+                    _ => false,
+                };
+            if !sound {
+                return Err(MeshError::Face { face });
+            }
+            next = end;
+        }
+        if next != self.triangles.len() {
+            return Err(MeshError::Face { face: faces.len() });
+        }
+        Ok(Self { faces: Some(faces.into()), ..self })
+    }
+
+    /// The same mesh, whose vertices move: on straight lines from where they are now, at the opening of the shutter, through
+    /// the positions of each key, the last at its closing, in equal steps of time. Normals, one per vertex and key, move
+    /// likewise; they are absent where the mesh has none.
+    pub fn with_keys(self, keys: Vec<(Vec<Vec3>, Option<Vec<Vec3>>)>) -> Result<Self, MeshError> {
+        if keys.len() >= motion::MOST_KEYS {
+            return Err(MeshError::Keys { found: keys.len() + 1, most: motion::MOST_KEYS });
+        }
+        for (positions, normals) in &keys {
+            check_length("positions of a key", positions.len(), self.positions.len())?;
+            check_finite(positions)?;
+            let expected = self.normals.as_ref().map_or(0, |normals| normals.len());
+            check_length("normals of a key", normals.as_ref().map_or(0, Vec::len), expected)?;
+        }
+        let key = |(positions, normals): (Vec<Vec3>, Option<Vec<Vec3>>)| Key {
+            positions: positions.into(),
+            normals: normals.filter(|_| self.normals.is_some()).map(Arc::from),
+        };
+        let later = keys.into_iter().map(key).collect();
+        Ok(Self { later, ..self })
+    }
+
     /// The same mesh carried to another place. Mirrored maps keep the outside outside.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
@@ -87,15 +164,34 @@ impl Mesh {
             return self.clone();
         }
         let mirrored = map.world_from_object().matrix3.determinant() < 0.0;
-        let turned = |[a, b, c]: [u32; 3]| if mirrored { [a, c, b] } else { [a, b, c] };
-        let normal = |n: &Vec3| map.normal(*n).normalize_or_zero();
+        let moved = |positions: &Arc<[Vec3]>| positions.iter().map(|p| map.point(*p)).collect();
+        let turned =
+            |normals: &Arc<[Vec3]>| normals.iter().map(|n| map.normal(*n).normalize_or_zero()).collect();
+        let key =
+            |key: &Key| Key { positions: moved(&key.positions), normals: key.normals.as_ref().map(turned) };
         Self {
-            positions: self.positions.iter().map(|p| map.point(*p)).collect(),
-            triangles: self.triangles.iter().copied().map(turned).collect(),
-            normals: self.normals.as_ref().map(|normals| normals.iter().map(normal).collect()),
+            positions: moved(&self.positions),
+            triangles: if mirrored { self.turned_over() } else { self.triangles.clone() },
+            normals: self.normals.as_ref().map(turned),
             uvs: self.uvs.clone(),
             groups: self.groups.clone(),
+            faces: self.faces.clone(),
+            later: self.later.iter().map(key).collect(),
         }
+    }
+
+    /// The triangles with the other side outside; the two of a face stay `[a, b, c]` and `[a, c, d]`.
+    fn turned_over(&self) -> Arc<[[u32; 3]]> {
+        let mut triangles: Vec<[u32; 3]> = self.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
+        let faces = self.faces.as_deref().unwrap_or(&[]);
+        for pair in
+            faces.iter().zip(faces.iter().skip(1).copied().chain([crate::geometry::count(triangles.len())]))
+        {
+            if pair.1 - pair.0 == 2 {
+                triangles.swap(*pair.0 as usize, *pair.0 as usize + 1);
+            }
+        }
+        triangles.into()
     }
 
     /// Vertex positions.
@@ -108,6 +204,27 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> &Arc<[[u32; 3]]> {
         &self.triangles
+    }
+
+    /// The first triangle of each face, where faces were told.
+    #[must_use]
+    pub fn faces(&self) -> Option<&Arc<[u32]>> {
+        self.faces.as_ref()
+    }
+
+    /// How many keys the motion of the vertices has; 1 where they stay.
+    #[must_use]
+    pub fn key_count(&self) -> usize {
+        1 + self.later.len()
+    }
+
+    /// Vertex positions at a key; the first is the opening of the shutter.
+    ///
+    /// # Panics
+    /// Beyond the last key.
+    #[must_use]
+    pub fn key_positions(&self, key: usize) -> &Arc<[Vec3]> {
+        key.checked_sub(1).map_or(&self.positions, |later| &self.later[later].positions)
     }
 
     /// Whether vertices carry shading normals.
@@ -128,17 +245,44 @@ impl Mesh {
         self.groups.as_ref().and_then(|groups| groups.iter().max()).map_or(1, |&last| usize::from(last) + 1)
     }
 
-    /// The corners of a triangle.
+    /// The corners of a triangle; at the opening of the shutter if they move.
     #[must_use]
+    #[inline]
     pub fn corners(&self, triangle: u32) -> [Vec3; 3] {
         self.triangles[triangle as usize].map(|i| self.positions[i as usize])
     }
 
-    /// The shading normals at the corners of a triangle, where there are any.
+    /// The corners of a triangle at a moment of the shutter, in [0, 1].
+    #[must_use]
+    #[inline]
+    pub fn corners_at(&self, triangle: u32, time: f32) -> [Vec3; 3] {
+        if self.later.is_empty() {
+            return self.corners(triangle);
+        }
+        let (key, part) = motion::step(time, self.key_count());
+        let [before, after] = [key, key + 1].map(|key| self.key_positions(key));
+        self.triangles[triangle as usize].map(|i| mix(before[i as usize], after[i as usize], part))
+    }
+
+    /// The shading normals at the corners of a triangle, where there are any; at the opening of the shutter if they move.
     #[must_use]
     pub fn corner_normals(&self, triangle: u32) -> Option<[Vec3; 3]> {
-        let normals = self.normals.as_ref()?;
-        Some(self.triangles[triangle as usize].map(|i| normals[i as usize]))
+        self.corner_normals_at(triangle, 0.0)
+    }
+
+    /// The shading normals at the corners of a triangle at a moment of the shutter, where there are any; of any length.
+    #[must_use]
+    pub fn corner_normals_at(&self, triangle: u32, time: f32) -> Option<[Vec3; 3]> {
+        let first = self.normals.as_ref()?;
+        let corners = self.triangles[triangle as usize];
+        if self.later.is_empty() {
+            return Some(corners.map(|i| first[i as usize]));
+        }
+        let (key, part) = motion::step(time, self.key_count());
+        let at =
+            |key: usize| key.checked_sub(1).map_or(Some(first), |later| self.later[later].normals.as_ref());
+        let (before, after) = (at(key)?, at(key + 1)?);
+        Some(corners.map(|i| mix(before[i as usize], after[i as usize], part)))
     }
 
     /// The surface parameters at the corners of a triangle, where there are any.
@@ -155,23 +299,61 @@ impl Mesh {
         (b - a).cross(c - a).length() * 0.5
     }
 
-    /// A box around all vertices that triangles use.
+    /// A box around all vertices that triangles use, at all moments of the shutter.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
-        Aabb::around(self.triangles.iter().flatten().map(|&i| self.positions[i as usize]))
+        (0..self.key_count()).fold(Aabb::EMPTY, |all, key| {
+            let positions = self.key_positions(key);
+            all.union(Aabb::around(self.triangles.iter().flatten().map(|&i| positions[i as usize])))
+        })
+    }
+
+    /// A box around a triangle, at all moments of the shutter.
+    #[must_use]
+    pub fn triangle_bounds(&self, triangle: u32) -> Aabb {
+        let corners = self.triangles[triangle as usize];
+        let at = |key| corners.map(|i| self.key_positions(key)[i as usize]);
+        Aabb::around((0..self.key_count()).flat_map(at))
+    }
+
+    /// The point with the surface parameters of a hit, at a moment of the shutter.
+    pub(super) fn point(&self, triangle: u32, time: f32, hit: &ShapeHit) -> SurfacePoint {
+        let [a, b, c] = self.corners_at(triangle, time);
+        let (u, v) = (hit.u, hit.v);
+        let w = 1.0 - u - v;
+        let p = a * w + b * u + c * v;
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let ng = cross.normalize_or(hit.ng.normalize_or(Vec3::Z));
+        // The plane of a needle is known less well than that of a fat triangle: by the ratio of edges to area.
+        let reach = e1.length().max(e2.length());
+        let slenderness = e1.length() * e2.length() / cross.length().max(f32::MIN_POSITIVE);
+        let traversal = TRIANGLE_ROUNDINGS * UNIT_ROUNDOFF * reach * (1.0 + slenderness.min(1e3));
+        // Corners on their way are off by the rounding of their interpolation.
+        let roundings = if self.later.is_empty() { gamma(7) } else { gamma(11) };
+        let p_error = (a.abs() * w.abs() + b.abs() * u + c.abs() * v) * roundings + Vec3::splat(traversal);
+        let smooth = self.corner_normals_at(triangle, time).map(|[na, nb, nc]| na * w + nb * u + nc * v);
+        let ns = smooth.map_or(ng, |n| n.normalize_or(ng));
+        // Vertex normals are more often right than the winding.
+        let ng = if ns.dot(ng) < 0.0 { -ng } else { ng };
+        let uv = self.corner_uvs(triangle).map_or(Vec2::new(u, v), |[ta, tb, tc]| ta * w + tb * u + tc * v);
+        SurfacePoint { p, p_error, ng, ns, uv }
     }
 
     /// Bytes of the arrays.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let normals = self.normals.as_ref().map_or(0, |n| size_of_val::<[Vec3]>(n));
-        let uvs = self.uvs.as_ref().map_or(0, |n| size_of_val::<[Vec2]>(n));
-        let groups = self.groups.as_ref().map_or(0, |n| size_of_val::<[u16]>(n));
-        size_of_val::<[Vec3]>(&self.positions)
-            + size_of_val::<[[u32; 3]]>(&self.triangles)
-            + normals
-            + uvs
-            + groups
+        fn bytes<T>(array: &[T]) -> usize {
+            size_of_val(array)
+        }
+        let later = self.later.iter().flat_map(|key| [Some(&key.positions), key.normals.as_ref()]);
+        bytes(&self.positions)
+            + bytes(&self.triangles)
+            + self.normals.as_deref().map_or(0, bytes)
+            + self.uvs.as_deref().map_or(0, bytes)
+            + self.groups.as_deref().map_or(0, bytes)
+            + self.faces.as_deref().map_or(0, bytes)
+            + later.flatten().map(|array| bytes(array)).sum::<usize>()
     }
 }
 
@@ -179,28 +361,13 @@ fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(),
     if found == expected { Ok(()) } else { Err(MeshError::Length { what, found, expected }) }
 }
 
-/// Ray parameter, u and v of the hit in `[t_min, t_max]`, if any, of a ray on the triangle `corners`; both sides count.
-///
-/// The edge tests are those of a shear along the ray that both neighbours of an edge evaluate alike, redone in
-/// double precision, so that no ray slips between them (Woop, Benthin, Wald 2013, Watertight Ray/Triangle
-/// Intersection). An oracle: exact rather than fast.
-#[must_use]
-pub fn intersect_triangle(corners: [Vec3; 3], o: Vec3, d: Vec3, t_min: f32, t_max: f32) -> Option<[f32; 3]> {
-    let (o, d) = (o.as_dvec3(), d.as_dvec3());
-    let [a, b, c] = corners.map(|p| p.as_dvec3() - o);
-    let volume = |p: glam::DVec3, q: glam::DVec3| d.dot(p.cross(q));
-    let (w_a, w_b, w_c) = (volume(c, b), volume(a, c), volume(b, a));
-    let below = w_a < 0.0 || w_b < 0.0 || w_c < 0.0;
-    let above = w_a > 0.0 || w_b > 0.0 || w_c > 0.0;
-    let det = w_a + w_b + w_c;
-    if (below && above) || det == 0.0 || !det.is_finite() {
-        return None;
-    }
-    let p = (a * w_a + b * w_b + c * w_c) / det;
-    let t = p.dot(d) / d.length_squared();
-    #[expect(clippy::cast_possible_truncation, reason = "the answer is single precision")]
-    let [t, u, v] = [t, w_b / det, w_c / det].map(|x| x as f32);
-    (t >= t_min && t <= t_max).then_some([t, u, v])
+fn check_finite(positions: &[Vec3]) -> Result<(), MeshError> {
+    let odd = positions.iter().position(|p| !p.is_finite());
+    odd.map_or(Ok(()), |vertex| Err(MeshError::NotFinite { vertex }))
+}
+
+fn mix(a: Vec3, b: Vec3, part: f32) -> Vec3 {
+    a * (1.0 - part) + b * part
 }
 
 #[cfg(test)]
@@ -208,19 +375,6 @@ mod tests {
     use super::*;
 
     const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
-
-    #[test]
-    fn triangle_hits_carry_barycentrics() {
-        let o = Vec3::new(0.25, 0.5, 2.0);
-        let hit = intersect_triangle(CORNERS, o, -Vec3::Z, 0.0, 10.0);
-        assert_eq!(hit, Some([2.0, 0.25, 0.5]), "from the front");
-        let hit = intersect_triangle(CORNERS, o * Vec3::new(1.0, 1.0, -1.0), Vec3::Z, 0.0, 10.0);
-        assert_eq!(hit, Some([2.0, 0.25, 0.5]), "from behind");
-        assert_eq!(intersect_triangle(CORNERS, o, -Vec3::Z, 0.0, 1.9), None, "too far");
-        assert_eq!(intersect_triangle(CORNERS, o, Vec3::X, 0.0, 9.0), None, "parallel");
-        assert_eq!(intersect_triangle(CORNERS, o, Vec3::ZERO, 0.0, 9.0), None, "no direction");
-        assert_eq!(intersect_triangle(CORNERS, o, Vec3::NAN, 0.0, 9.0), None, "no number");
-    }
 
     #[test]
     fn meshes_are_checked() {
@@ -231,5 +385,45 @@ mod tests {
         let mesh = Mesh::new(CORNERS.to_vec(), vec![[0, 1, 2]]).expect("good");
         assert!(mesh.clone().with_normals(vec![Vec3::Z]).is_err(), "one normal for three vertices");
         assert!((mesh.area(0) - 0.5).abs() < 1e-7, "area");
+    }
+    #[test]
+    fn corners_move_on_straight_lines_from_key_to_key() {
+        let shifted = |by: Vec3| CORNERS.iter().map(|p| *p + by).collect::<Vec<_>>();
+        let mesh = || Mesh::new(CORNERS.to_vec(), vec![[0, 1, 2]]).expect("good");
+        let moving =
+            mesh().with_keys(vec![(shifted(Vec3::X * 2.0), None), (shifted(Vec3::Z), None)]).expect("good");
+        assert_eq!(moving.key_count(), 3, "keys");
+        for (time, by) in [(0.0, 0.0), (0.25, 1.0), (0.5, 2.0)] {
+            assert_eq!(moving.corners_at(0, time), CORNERS.map(|p| p + Vec3::X * by), "at {time}");
+        }
+        assert_eq!(moving.corners_at(0, 0.75)[0], Vec3::new(1.0, 0.0, 0.5), "between the last two");
+        assert_eq!(
+            moving.bounds(),
+            Aabb { min: Vec3::ZERO, max: Vec3::new(3.0, 1.0, 1.0) },
+            "box of all moments"
+        );
+        assert_eq!(moving.triangle_bounds(0), moving.bounds(), "box of the triangle");
+        let bad = mesh().with_keys(vec![(vec![Vec3::ZERO], None)]);
+        assert!(matches!(bad, Err(MeshError::Length { .. })), "a vertex that is missing later");
+        let bad = mesh().with_keys(vec![(CORNERS.to_vec(), Some(CORNERS.to_vec()))]);
+        assert!(matches!(bad, Err(MeshError::Length { .. })), "normals at a later key only");
+        let bad = mesh().with_keys(vec![(CORNERS.to_vec(), None); 129]);
+        assert_eq!(bad, Err(MeshError::Keys { found: 130, most: 129 }), "too many keys");
+    }
+
+    #[test]
+    fn faces_are_triangles_or_pairs_and_stay_so_when_mirrored() {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y, Vec3::Z].to_vec();
+        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]];
+        let mesh = Mesh::new(positions, triangles).expect("good");
+        let faced = mesh.clone().with_faces(vec![0, 2]).expect("a quad and a triangle");
+        let mirror = Transform::new(glam::Affine3A::from_scale(-Vec3::ONE)).expect("invertible");
+        let mirrored = faced.transformed(&mirror);
+        assert!(mirrored.clone().with_faces(vec![0, 2]).is_ok(), "{:?}", mirrored.triangles());
+        let [a, b, c] = mirrored.corners(0);
+        assert!((b - a).cross(c - a).z < 0.0, "what was below is outside");
+        for bad in [vec![0, 1, 3], vec![0], vec![1], vec![], vec![0, 3]] {
+            assert!(matches!(mesh.clone().with_faces(bad.clone()), Err(MeshError::Face { .. })), "{bad:?}");
+        }
     }
 }

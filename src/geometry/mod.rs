@@ -8,16 +8,32 @@ mod hit;
 mod ids;
 mod interaction;
 mod mesh;
+mod pose;
 mod ray;
+mod shape;
 pub mod spawn;
 mod sphere;
+mod surface;
+mod triangle;
 mod world;
 
 pub use disc::Disc;
 pub use hit::Hit;
 pub use ids::{PlacementId, ShapeId};
 pub use interaction::Interaction;
-pub use mesh::{Mesh, MeshError, intersect_triangle};
+pub use mesh::{Mesh, MeshError};
+pub use pose::Pose;
 pub use ray::Ray;
+pub use shape::Shape;
 pub use sphere::Sphere;
-pub use world::{Placement, Shape, World};
+pub use surface::{HitFilter, ShapeHit, Surface, SurfacePoint};
+pub use triangle::intersect_triangle;
+pub use world::{Placement, World};
+
+/// A number of things as an identifier counts them.
+///
+/// # Panics
+/// Beyond 2^32 of them.
+fn count(len: usize) -> u32 {
+    u32::try_from(len).expect("fewer than 2^32 of a kind")
+}

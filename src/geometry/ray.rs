@@ -1,5 +1,6 @@
 //! Rays.
 
+use crate::math::Transform;
 use glam::Vec3;
 
 /// The points `o + t d` with `t_min <= t <= t_max`, at one moment of the shutter.
@@ -47,6 +48,12 @@ impl Ray {
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
         self.o + self.d * t
+    }
+
+    /// The same ray in the space that `map` leads from; parameters stay as they are.
+    #[must_use]
+    pub fn into_object(&self, map: &Transform) -> Self {
+        Self { o: map.inverse_point(self.o), d: map.inverse_vector(self.d), ..*self }
     }
 
     /// Whether the ray can be traced: finite origin, finite direction of some length, a range that is not empty.

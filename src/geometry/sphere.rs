@@ -1,7 +1,10 @@
 //! Spheres.
 
+use crate::geometry::SurfacePoint;
+use crate::geometry::surface::ROUND_ROUNDINGS;
 use crate::math::Aabb;
-use glam::Vec3;
+use crate::math::float::UNIT_ROUNDOFF;
+use glam::{Vec2, Vec3};
 
 /// A sphere, hit from outside and from inside; normals point outwards.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +46,15 @@ impl Sphere {
     pub fn project(&self, p: Vec3) -> (Vec3, Vec3) {
         let n = (p - self.center).normalize_or(Vec3::Z);
         (self.center + n * self.radius, n)
+    }
+
+    /// The point of the surface nearest to `near`; its parameters are longitude and latitude.
+    pub(super) fn point(&self, near: Vec3) -> SurfacePoint {
+        let (p, n) = self.project(near);
+        let p_error = (self.center.abs() + self.radius) * (ROUND_ROUNDINGS * UNIT_ROUNDOFF);
+        let longitude = n.y.atan2(n.x) / std::f32::consts::TAU;
+        let latitude = n.z.clamp(-1.0, 1.0).acos() / std::f32::consts::PI;
+        SurfacePoint::smooth(p, p_error, n, Vec2::new(longitude.rem_euclid(1.0), latitude))
     }
 }
 

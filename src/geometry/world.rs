@@ -1,56 +1,30 @@
 //! Everything that can be hit.
 
-use crate::geometry::{Disc, Mesh, PlacementId, ShapeId, Sphere};
-use crate::math::{Aabb, Transform};
-
-/// A thing with a surface.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// Triangles.
-    Mesh(Mesh),
-    /// One sphere.
-    Sphere(Sphere),
-    /// One disc.
-    Disc(Disc),
-}
-
-impl Shape {
-    /// A box around the shape.
-    #[must_use]
-    pub fn bounds(&self) -> Aabb {
-        match self {
-            Self::Mesh(mesh) => mesh.bounds(),
-            Self::Sphere(sphere) => sphere.bounds(),
-            Self::Disc(disc) => disc.bounds(),
-        }
-    }
-
-    /// How many primitives hits may name.
-    #[must_use]
-    pub fn primitive_count(&self) -> usize {
-        match self {
-            Self::Mesh(mesh) => mesh.triangles().len(),
-            Self::Sphere(_) | Self::Disc(_) => 1,
-        }
-    }
-}
+use crate::geometry::{HitFilter, PlacementId, Pose, Shape, ShapeId, count};
+use crate::math::Aabb;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A shape in the world.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Placement {
     /// Which shape.
     pub shape: ShapeId,
-    /// Where; absent where the shape is given in world coordinates, which costs a backend no instance.
-    pub transform: Option<Transform>,
+    /// Where.
+    pub pose: Pose,
+    /// Which rays see it: those whose mask shares a bit.
+    pub mask: u32,
 }
 
 /// Shapes, and where they are placed.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct World {
     /// The shapes, named by [`ShapeId`].
     pub shapes: Vec<Shape>,
     /// The placements, named by [`PlacementId`].
     pub placements: Vec<Placement>,
+    /// What decides which hits on a shape count, where not all do.
+    pub filters: BTreeMap<ShapeId, Arc<dyn HitFilter>>,
 }
 
 impl World {
@@ -59,19 +33,35 @@ impl World {
     /// # Panics
     /// Beyond 2^32 shapes.
     pub fn add_shape(&mut self, shape: Shape) -> ShapeId {
-        let id = u32::try_from(self.shapes.len()).expect("fewer than 2^32 shapes");
+        let id = count(self.shapes.len());
         self.shapes.push(shape);
         ShapeId(id)
     }
 
-    /// Places a shape.
+    /// Places a shape, to be seen by every ray.
     ///
     /// # Panics
     /// Beyond 2^32 placements.
-    pub fn place(&mut self, shape: ShapeId, transform: Option<Transform>) -> PlacementId {
-        let id = u32::try_from(self.placements.len()).expect("fewer than 2^32 placements");
-        self.placements.push(Placement { shape, transform: transform.filter(|t| !t.is_identity()) });
+    pub fn place(&mut self, shape: ShapeId, pose: impl Into<Pose>) -> PlacementId {
+        let id = count(self.placements.len());
+        self.placements.push(Placement { shape, pose: pose.into(), mask: u32::MAX });
         PlacementId(id)
+    }
+
+    /// Places what a group of placements shows once more, as a whole: an instance of instances. Backends know one level of
+    /// instances, so each member is placed by the product of both poses; `None`, and nothing placed, where one of the
+    /// products has no inverse.
+    ///
+    /// # Panics
+    /// Beyond 2^32 placements.
+    pub fn place_group(&mut self, group: &[Placement], pose: &Pose) -> Option<Vec<PlacementId>> {
+        let poses: Option<Vec<Pose>> = group.iter().map(|member| member.pose.within(pose)).collect();
+        let placed = group.iter().zip(poses?).map(|(member, pose)| {
+            let id = self.place(member.shape, pose);
+            self.placements[id.index()].mask = member.mask;
+            id
+        });
+        Some(placed.collect())
     }
 
     /// The shape of a placement.
@@ -80,12 +70,11 @@ impl World {
         &self.shapes[self.placements[placement.index()].shape.index()]
     }
 
-    /// A box around everything.
+    /// A box around everything, at all moments of the shutter.
     #[must_use]
     pub fn bounds(&self) -> Aabb {
         self.placements.iter().fold(Aabb::EMPTY, |all, placement| {
-            let own = self.shapes[placement.shape.index()].bounds();
-            all.union(placement.transform.map_or(own, |t| t.aabb(own)))
+            all.union(placement.pose.aabb(self.shapes[placement.shape.index()].bounds()))
         })
     }
 
@@ -93,5 +82,13 @@ impl World {
     #[must_use]
     pub fn primitive_count(&self) -> usize {
         self.placements.iter().map(|placement| self.shapes[placement.shape.index()].primitive_count()).sum()
+    }
+
+    /// Whether anything moves while the shutter is open.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.placements.iter().any(|placement| {
+            matches!(placement.pose, Pose::Moving(_)) || self.shapes[placement.shape.index()].is_moving()
+        })
     }
 }

@@ -244,8 +244,9 @@ fn surface_point(world: &World, rng: &mut Rng, edge: bool) -> (Vec3, Vec3) {
             let out = if edge { 1.0 } else { rng.unit() };
             (disc.center + rim * disc.radius * out, disc.normal)
         }
+        Shape::Surface(_) => unreachable!("no world here has one"),
     };
-    match &placement.transform {
+    match placement.pose.at(0.0) {
         None => (p, n),
         Some(t) => (t.point(p), t.normal(n).normalize_or(Vec3::Z)),
     }

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 use specula::accel::{Accel, Brute};
-use specula::geometry::{Hit, Ray, Shape, World};
+use specula::geometry::{Hit, Ray, Shape, ShapeHit, World};
 
 /// What an answer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,6 +55,8 @@ struct Met<'a> {
     shape: &'a Shape,
     ray: &'a Ray,
     hit: &'a Hit,
+    /// The ray in the space of the shape, its direction and the point it names there.
+    local: Ray,
     d: Vec3,
     p: Vec3,
     /// How far off a kernel may see the ray: some roundings of the coordinates it adds and subtracts.
@@ -69,17 +71,17 @@ impl<'a> Met<'a> {
         let shape = &world.shapes[placement.shape.index()];
         let far = |o: Vec3, p: Vec3| 8.0 * f32::EPSILON * (o.length() + p.length());
         let p = ray.at(hit.t);
-        let (o, d, stretch) = match &placement.transform {
-            None => (ray.o, ray.d, 0.0),
+        let (local, stretch) = match placement.pose.at(ray.time) {
+            None => (*ray, 0.0),
             Some(t) => {
                 let stretch = Vec3::AXES.map(|axis| t.inverse_vector(axis).length()).iter().sum();
-                (t.inverse_point(ray.o), t.inverse_vector(ray.d), stretch)
+                (ray.into_object(&t), stretch)
             }
         };
-        let local = o + d * hit.t;
-        let rounding = far(o, local) + far(ray.o, p) * stretch;
+        let (d, inner) = (local.d, local.at(hit.t));
+        let rounding = far(local.o, inner) + far(ray.o, p) * stretch;
         let cos = d.normalize().dot(hit.ng.normalize_or_zero()).abs().max(1e-6);
-        Self { shape, ray, hit, d, p: local, rounding, cos }
+        Self { shape, ray, hit, local, d, p: inner, rounding, cos }
     }
 
     /// Rounding seen along the surface.
@@ -97,7 +99,7 @@ impl<'a> Met<'a> {
         let off = |n: Vec3| self.hit.ng.normalize_or_zero().dot(n) < 0.999;
         match self.shape {
             Shape::Mesh(mesh) => {
-                let [a, b, c] = mesh.corners(self.hit.prim);
+                let [a, b, c] = mesh.corners_at(self.hit.prim, self.ray.time);
                 let (e1, e2) = (b - a, c - a);
                 let (u, v) = (self.hit.u.clamp(0.0, 1.0), self.hit.v.clamp(0.0, 1.0));
                 let named = a + e1 * u + e2 * v;
@@ -115,6 +117,12 @@ impl<'a> Met<'a> {
                     && out.length() <= s.radius + self.spread()
                     && !off(s.normal)
             }
+            Shape::Surface(s) => {
+                let Hit { t, u, v, ng, prim, .. } = *self.hit;
+                let point = s.point(prim, &self.local, &ShapeHit { t, u, v, ng });
+                let slack = point.p_error.length() + self.spread() + 2e-5 * t * self.d.length();
+                (point.p - self.p).length() <= slack && !off(point.ng)
+            }
         }
     }
 
@@ -126,7 +134,7 @@ impl<'a> Met<'a> {
         }
         let margin = match self.shape {
             Shape::Mesh(mesh) => {
-                let [a, b, c] = mesh.corners(self.hit.prim);
+                let [a, b, c] = mesh.corners_at(self.hit.prim, self.ray.time);
                 let area2 = (b - a).cross(c - a).length();
                 let (u, v) = (self.hit.u, self.hit.v);
                 let heights = [c - b, c - a, b - a].map(|edge| area2 / edge.length());
@@ -135,7 +143,20 @@ impl<'a> Met<'a> {
             // How far the ray dips below the silhouette, seen along it.
             Shape::Sphere(s) => return s.radius * self.cos * self.cos * 0.5 <= 4.0 * self.rounding,
             Shape::Disc(s) => s.radius - (self.p - s.center).length(),
+            Shape::Surface(_) => return self.is_met_by_chance(),
         };
         margin <= self.spread()
+    }
+
+    /// Whether some ray beside this one, at the distance of rounding, misses the primitive or meets it elsewhere.
+    fn is_met_by_chance(&self) -> bool {
+        let across = self.d.normalize().any_orthonormal_pair();
+        let ways = [across.0, across.1, -across.0, -across.1];
+        ways.into_iter().any(|way| {
+            let mut beside = self.local;
+            beside.o += way * 4.0 * self.rounding;
+            let met = self.shape.intersect(self.hit.prim, &beside);
+            met.is_none_or(|near| (near.t - self.hit.t).abs() > self.reach())
+        })
     }
 }

@@ -8,7 +8,7 @@ use super::error::EmbreeError;
 use super::geometry::{Geometry, Vertices};
 use super::scene::{Committed, Scene, SceneOptions};
 use crate::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket, RayStream};
-use crate::geometry::{Hit, Mesh, Ray, Shape, ShapeId, World};
+use crate::geometry::{Hit, Mesh, Pose, Ray, Shape, ShapeId, World};
 use crate::math::Aabb;
 use std::collections::HashMap;
 use std::ops::ControlFlow;
@@ -64,11 +64,11 @@ impl EmbreeAccel {
             if progress(0.0).is_break() {
                 return Err(EmbreeError::Cancelled);
             }
-            let geometry = match &placement.transform {
-                None => builder.geometry(placement.shape)?,
-                Some(transform) => {
+            let geometry = match &placement.pose {
+                Pose::World => builder.geometry(placement.shape)?,
+                pose => {
                     let inner = builder.inner_scene(placement.shape)?;
-                    Geometry::instance(&builder.device, inner, transform.world_from_object())?
+                    Geometry::instance(&builder.device, inner, &pose.keys()[0])?
                 }
             };
             outer.attach(number, geometry)?;
@@ -96,6 +96,9 @@ impl Builder<'_> {
             Shape::Mesh(mesh) => self.triangles(id, mesh),
             Shape::Sphere(sphere) => Geometry::spheres(&self.device, &[*sphere]),
             Shape::Disc(disc) => Geometry::discs(&self.device, &[*disc]),
+            Shape::Surface(_) => {
+                Err(EmbreeError::Library("surfaces of other kinds are not known".to_owned()))
+            }
         }
     }
 

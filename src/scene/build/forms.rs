@@ -37,7 +37,7 @@ fn quads(faces: &[[Vec3; 4]]) -> Mesh {
 }
 
 /// The shape carried to its place, where it stays of its kind: meshes under every map, spheres and discs where angles and
-/// proportions stay.
+/// proportions stay, others never.
 pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {
     let transform = Transform::new(*map)?;
     Some(match shape {
@@ -51,6 +51,7 @@ pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {
             normal: transform.normal(disc.normal).normalize(),
             radius: disc.radius * uniform_scale(map)?,
         }),
+        Shape::Surface(_) => return None,
     })
 }
 

@@ -206,7 +206,7 @@ impl Builder {
 
     fn light_at(&self, placement: PlacementId, emission: Emission) -> Result<Light, String> {
         let Emission { radiance, two_sided } = emission;
-        let map = self.world.placements[placement.index()].transform.map(|t| *t.world_from_object());
+        let map = self.world.placements[placement.index()].pose.at(0.0).map(|t| *t.world_from_object());
         let shape = self.world.shape_of(placement);
         let moved = match map {
             None => shape.clone(),
@@ -225,6 +225,9 @@ impl Builder {
                 let surface =
                     MeshArea::new(triangles).map_err(|error| format!("an emitting mesh: {error}"))?;
                 Light::Mesh(Area { surface, radiance, two_sided })
+            }
+            Shape::Surface(_) => {
+                return Err("only meshes, spheres and discs can be lights; use one of those".to_owned());
             }
         })
     }
