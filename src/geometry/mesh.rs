@@ -233,6 +233,12 @@ impl Mesh {
         self.normals.is_some()
     }
 
+    /// Whether vertices carry surface parameters.
+    #[must_use]
+    pub fn has_uvs(&self) -> bool {
+        self.uvs.is_some()
+    }
+
     /// The group of a triangle; 0 where the mesh has no groups.
     #[must_use]
     pub fn group(&self, triangle: u32) -> u16 {

@@ -7,6 +7,7 @@ mod build;
 pub mod description;
 mod frozen;
 pub mod load;
+pub mod needs;
 mod record;
 pub mod schema;
 
@@ -14,4 +15,5 @@ pub use build::{Built, build};
 pub use description::{Description, GlassShadows};
 pub use frozen::Scene;
 pub use load::{Loaded, load};
+pub use needs::Needs;
 pub use schema::schema;

@@ -33,18 +33,21 @@ impl Builder {
                 }
                 &Described::Rectangle { center, edge_u, edge_v, radiance } => {
                     let surface = RectangleArea::new(center, edge_u, edge_v);
-                    let light = Light::Rectangle(Area { surface, radiance, two_sided: false });
-                    self.add_shining(Shape::Mesh(forms::rectangle(center, edge_u, edge_v)), light, radiance);
+                    let shining = Light::Rectangle(Area { surface, radiance, two_sided: false });
+                    let shape = Shape::Mesh(forms::rectangle(center, edge_u, edge_v));
+                    self.add_shining(shape, shining, radiance, &light.place);
                 }
                 &Described::Disc { center, normal, radius, radiance } => {
                     let normal = normal.normalize();
                     let surface = DiscArea::new(center, normal, radius);
-                    let light = Light::Disc(Area { surface, radiance, two_sided: false });
-                    self.add_shining(Shape::Disc(Disc { center, normal, radius }), light, radiance);
+                    let shining = Light::Disc(Area { surface, radiance, two_sided: false });
+                    let shape = Shape::Disc(Disc { center, normal, radius });
+                    self.add_shining(shape, shining, radiance, &light.place);
                 }
                 &Described::Sphere { center, radius, radiance } => {
-                    let light = Light::Sphere(SphereLight { center: center.into(), radius, radiance });
-                    self.add_shining(Shape::Sphere(Sphere { center, radius }), light, radiance);
+                    let shining = Light::Sphere(SphereLight { center: center.into(), radius, radiance });
+                    let shape = Shape::Sphere(Sphere { center, radius });
+                    self.add_shining(shape, shining, radiance, &light.place);
                 }
                 Described::Mesh { file, radiance, transform } => {
                     self.add_mesh_light(file, *radiance, transform, &light.place);
@@ -57,11 +60,11 @@ impl Builder {
     }
 
     /// Adds a light with its surface; without power it is a black surface.
-    fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>) {
+    fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>, origin: &Place) {
         let emission = Some(Emission { radiance, two_sided: false });
         let material = self.add_material(Material { scattering: Scattering::Black, emission });
         let shape = self.world.add_shape(shape);
-        let placement = self.place(shape, None, vec![material]);
+        let placement = self.place(shape, None, vec![material], origin);
         self.surfaces[placement.index()].light = self.add_light(light);
     }
 
@@ -86,7 +89,7 @@ impl Builder {
             Ok(surface) => {
                 let light = Light::Mesh(Area { surface, radiance, two_sided: false });
                 let groups = mesh.group_count();
-                self.add_shining(Shape::Mesh(mesh), light, radiance);
+                self.add_shining(Shape::Mesh(mesh), light, radiance, place);
                 // A file's own materials do not matter to a light.
                 if let Some(surface) = self.surfaces.last_mut() {
                     surface.materials = vec![surface.materials[0]; groups];

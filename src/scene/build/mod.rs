@@ -11,7 +11,7 @@ mod shapes;
 mod steps;
 
 use crate::camera::Pinhole;
-use crate::error::{Problem, Problems, Result};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::geometry::{PlacementId, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
@@ -26,6 +26,8 @@ use std::sync::Arc;
 pub struct Built {
     /// The scene.
     pub scene: Scene,
+    /// Where each placement was described.
+    pub origins: Vec<Place>,
     /// What was odd, but not wrong.
     pub warnings: Vec<Problem>,
 }
@@ -52,7 +54,7 @@ pub fn build(description: &Description) -> Result<Built> {
         surfaces: builder.surfaces,
         environment: builder.environment,
     };
-    builder.problems.into_result(Built { scene, warnings: builder.warnings })
+    builder.problems.into_result(Built { scene, origins: builder.origins, warnings: builder.warnings })
 }
 
 /// A scene under way.
@@ -60,6 +62,7 @@ pub fn build(description: &Description) -> Result<Built> {
 struct Builder {
     world: World,
     surfaces: Vec<Surface>,
+    origins: Vec<Place>,
     materials: Vec<Material>,
     /// Names of the scene's own materials, by number; those of mesh files follow without names.
     material_names: Vec<String>,
@@ -86,14 +89,16 @@ impl Builder {
         Some(id)
     }
 
-    /// Places a shape made of `materials`, one per group.
+    /// Places a shape made of `materials`, one per group, as described at `origin`.
     fn place(
         &mut self,
         shape: ShapeId,
         transform: Option<Transform>,
         materials: Vec<MaterialId>,
+        origin: &Place,
     ) -> PlacementId {
         self.surfaces.push(Surface { materials, light: None });
+        self.origins.push(origin.clone());
         self.world.place(shape, transform)
     }
 }

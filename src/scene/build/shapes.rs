@@ -67,13 +67,13 @@ impl Builder {
         let map = self.carried(&described.transform, &shape)?;
         if !is_prototype && let Some(moved) = forms::moved(&shape, &map) {
             let id = self.world.add_shape(moved);
-            let placement = self.place(id, None, materials);
+            let placement = self.place(id, None, materials, &described.place);
             self.light_up(placement, &described.place);
             return None;
         }
         let id = self.world.add_shape(shape);
         if !described.hidden {
-            let placement = self.place(id, Transform::new(map), materials.clone());
+            let placement = self.place(id, Transform::new(map), materials.clone(), &described.place);
             self.light_up(placement, &described.place);
         }
         Some(Prototype { shape: id, materials, place_of_own: map })
@@ -107,7 +107,7 @@ impl Builder {
             Some(id) => vec![id; prototype.materials.len()],
             None => prototype.materials.clone(),
         };
-        let placement = self.place(prototype.shape, Transform::new(map), materials);
+        let placement = self.place(prototype.shape, Transform::new(map), materials, &described.place);
         self.light_up(placement, &described.place);
     }
 
