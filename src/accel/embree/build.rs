@@ -5,8 +5,10 @@
 
 use super::device::{Config, Device};
 use super::error::EmbreeError;
-use super::geometry::{Geometry, Vertices};
+use super::geometry::Geometry;
+use super::mesh::MeshArrays;
 use super::scene::{Committed, Scene, SceneOptions};
+use super::surface::UserShape;
 use crate::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket, RayStream};
 use crate::geometry::{Hit, Mesh, Pose, Ray, Shape, ShapeId, World};
 use crate::math::Aabb;
@@ -27,7 +29,7 @@ pub struct BuildOptions {
 #[derive(Debug)]
 pub struct EmbreeAccel {
     scene: Scene<Committed>,
-    /// Bytes of padded copies of vertex positions.
+    /// Bytes of padded copies of vertex positions, of quads and of boxes.
     copied: usize,
 }
 
@@ -36,7 +38,8 @@ struct Builder<'a> {
     device: Device,
     options: SceneOptions,
     world: &'a World,
-    vertices: HashMap<ShapeId, Vertices>,
+    meshes: HashMap<ShapeId, MeshArrays>,
+    surfaces: HashMap<ShapeId, UserShape>,
     inner: HashMap<ShapeId, Arc<Scene<Committed>>>,
 }
 
@@ -54,8 +57,7 @@ impl EmbreeAccel {
         progress: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
     ) -> Result<Self, EmbreeError> {
         let device = Device::new(options.device)?;
-        let (vertices, inner) = (HashMap::new(), HashMap::new());
-        let mut builder = Builder { device, options: options.scene, world, vertices, inner };
+        let mut builder = Builder::new(device, options.scene, world);
         let mut outer = Scene::new(&builder.device, builder.options)?;
         for (number, placement) in (0..).zip(&world.placements) {
             if world.shapes[placement.shape.index()].primitive_count() == 0 {
@@ -68,13 +70,12 @@ impl EmbreeAccel {
                 Pose::World => builder.geometry(placement.shape)?,
                 pose => {
                     let inner = builder.inner_scene(placement.shape)?;
-                    Geometry::instance(&builder.device, inner, &pose.keys()[0])?
+                    Geometry::instance(&builder.device, inner, &pose.keys())?
                 }
             };
-            outer.attach(number, geometry)?;
+            outer.attach(number, geometry.with_mask(placement.mask)?)?;
         }
-        let copied = builder.vertices.values().map(|vertices| size_of_val(vertices.as_slice())).sum();
-        Ok(Self { scene: outer.commit_with(progress)?, copied })
+        Ok(Self { scene: outer.commit_with(progress)?, copied: builder.bytes() })
     }
 
     /// The device, which knows version, instruction set and memory in use.
@@ -90,22 +91,40 @@ impl EmbreeAccel {
     }
 }
 
-impl Builder<'_> {
+impl<'a> Builder<'a> {
+    fn new(device: Device, options: SceneOptions, world: &'a World) -> Self {
+        let (meshes, surfaces, inner) = (HashMap::new(), HashMap::new(), HashMap::new());
+        Self { device, options, world, meshes, surfaces, inner }
+    }
+
+    /// Bytes of what was copied.
+    fn bytes(&self) -> usize {
+        self.meshes.values().map(MeshArrays::bytes).sum::<usize>()
+            + self.surfaces.values().map(UserShape::bytes).sum::<usize>()
+    }
+
     fn geometry(&mut self, id: ShapeId) -> Result<Geometry, EmbreeError> {
-        match &self.world.shapes[id.index()] {
-            Shape::Mesh(mesh) => self.triangles(id, mesh),
-            Shape::Sphere(sphere) => Geometry::spheres(&self.device, &[*sphere]),
-            Shape::Disc(disc) => Geometry::discs(&self.device, &[*disc]),
-            Shape::Surface(_) => {
-                Err(EmbreeError::Library("surfaces of other kinds are not known".to_owned()))
+        let filter = self.world.filters.get(&id);
+        let geometry = match &self.world.shapes[id.index()] {
+            Shape::Mesh(mesh) => self.mesh(id, mesh)?,
+            Shape::Sphere(sphere) => Geometry::spheres(&self.device, &[*sphere])?,
+            Shape::Disc(disc) => Geometry::discs(&self.device, &[*disc])?,
+            shape @ Shape::Surface(_) => {
+                let ask = || UserShape::new(shape.clone(), filter.cloned());
+                let asked = self.surfaces.entry(id).or_insert_with(ask).clone();
+                return Geometry::surface(&self.device, asked);
             }
+        };
+        match filter {
+            Some(filter) => geometry.with_filter(filter.clone()),
+            None => Ok(geometry),
         }
     }
 
-    fn triangles(&mut self, id: ShapeId, mesh: &Mesh) -> Result<Geometry, EmbreeError> {
-        let vertices =
-            self.vertices.entry(id).or_insert_with(|| Vertices::from(&mesh.positions()[..])).clone();
-        Geometry::triangles(&self.device, vertices, mesh.triangles().clone())
+    fn mesh(&mut self, id: ShapeId, mesh: &Mesh) -> Result<Geometry, EmbreeError> {
+        let quads = self.options.quads;
+        let arrays = self.meshes.entry(id).or_insert_with(|| MeshArrays::new(mesh, quads)).clone();
+        Geometry::mesh(&self.device, arrays)
     }
 
     fn inner_scene(&mut self, id: ShapeId) -> Result<Arc<Scene<Committed>>, EmbreeError> {

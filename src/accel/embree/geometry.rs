@@ -1,71 +1,54 @@
 //! Geometries, and the arrays that Embree keeps pointers to.
 
+use super::after::After;
 use super::device::Device;
 use super::error::EmbreeError;
+use super::faces::Faces;
+use super::filter::{self, Sieve};
+use super::mesh::{MeshArrays, Primitives, Vertices};
 use super::scene::{Committed, Scene};
-use crate::geometry::{Disc, Sphere};
+use super::surface::{self, UserShape};
+use crate::geometry::{Disc, HitFilter, Sphere};
+use crate::math::motion::MOST_KEYS;
 use embree4_sys as sys;
-use glam::{Affine3A, Vec3};
-use std::fmt;
+use glam::Affine3A;
+use std::ffi::c_void;
 use std::ptr::NonNull;
 use std::sync::Arc;
 
-/// Vertex positions that Embree can read in place: "the last buffer element must be readable using 16-byte SSE load
-/// instructions", so one more position lies behind the last. Cheap to clone; made from an array by copying it once.
-#[derive(Clone, PartialEq)]
-pub struct Vertices {
-    padded: Arc<[Vec3]>,
-}
-
-impl Vertices {
-    /// The positions.
-    #[must_use]
-    pub fn as_slice(&self) -> &[Vec3] {
-        &self.padded[..self.padded.len() - 1]
-    }
-}
-
-impl From<&[Vec3]> for Vertices {
-    fn from(positions: &[Vec3]) -> Self {
-        Self { padded: positions.iter().copied().chain([Vec3::ZERO]).collect() }
-    }
-}
-
-impl From<Vec<Vec3>> for Vertices {
-    fn from(mut positions: Vec<Vec3>) -> Self {
-        positions.push(Vec3::ZERO);
-        Self { padded: positions.into() }
-    }
-}
-
-impl fmt::Debug for Vertices {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Vertices").field("len", &self.as_slice().len()).finish()
-    }
-}
-
-/// Something to attach to a scene: triangles, spheres, discs or an instance. Frozen once made.
+/// Something to attach to a scene: a mesh, spheres, discs, a shape that is asked for its own hits, or an instance.
+/// Seen by every ray, unless told otherwise before it is attached; frozen then.
 #[derive(Debug)]
 pub struct Geometry {
     raw: NonNull<sys::RTCGeometryTy>,
     device: Device,
     /// Dropped after `raw` is released, and so alive for as long as Embree may read it.
     kept: Kept,
+    /// Likewise.
+    sieve: Option<Arc<Sieve>>,
 }
 
 /// What Embree keeps pointers to.
 #[derive(Debug)]
 enum Kept {
-    Triangles { _vertices: Vertices, _triangles: Arc<[[u32; 3]]> },
+    Mesh(MeshArrays),
     Points { _centers: Box<[[f32; 4]]>, _normals: Box<[[f32; 4]]> },
-    Instance { _scene: Arc<Scene<Committed>> },
+    Surface(UserShape),
+    Instance(Arc<Scene<Committed>>),
 }
 
 // SAFETY: "In general, API calls that access the same object are not thread-safe" (manual, introduction), but nothing
-// ties an object to a thread, and a `Geometry` is only accessed by value or `&mut`, once it is made.
+// ties an object to a thread, and a `Geometry` is only accessed by value or `&mut`, once it is made. What it keeps is
+// `Send` by itself, as is asserted below.
 unsafe impl Send for Geometry {}
-// SAFETY: `&Geometry` gives access to no call at all.
+// SAFETY: `&Geometry` gives access to no call of the library at all, and what it keeps is `Sync` by itself. Callbacks read
+// what it keeps from whichever threads trace rays, as that allows.
 unsafe impl Sync for Geometry {}
+
+const _: () = {
+    const fn may_go_anywhere<T: Send + Sync>() {}
+    may_go_anywhere::<(Device, Kept, Option<Arc<Sieve>>)>();
+};
 
 impl Drop for Geometry {
     fn drop(&mut self) {
@@ -83,20 +66,29 @@ impl Geometry {
         vertices: Vertices,
         triangles: Arc<[[u32; 3]]>,
     ) -> Result<Self, EmbreeError> {
-        let count = vertices.as_slice().len();
-        for (triangle, corners) in triangles.iter().enumerate() {
-            if let Some(&vertex) = corners.iter().find(|&&vertex| vertex as usize >= count) {
-                return Err(EmbreeError::Index { triangle, vertex, count });
+        Self::mesh(device, MeshArrays::of_triangles(vertices, triangles)?)
+    }
+
+    /// A mesh, moving or not; the arrays are shared, not copied. As [`Geometry::triangles`] otherwise.
+    pub fn mesh(device: &Device, arrays: MeshArrays) -> Result<Self, EmbreeError> {
+        let keys: Vec<View> =
+            arrays.keys.iter().map(|key| View::of(key.as_slice(), sys::RTC_FORMAT_FLOAT3)).collect();
+        let (kind, indices) = match &arrays.primitives {
+            Primitives::Triangles(triangles) => {
+                (sys::RTC_GEOMETRY_TYPE_TRIANGLE, View::of(triangles, sys::RTC_FORMAT_UINT3))
             }
+            Primitives::Quads(quads, _) => {
+                (sys::RTC_GEOMETRY_TYPE_QUAD, View::of(quads, sys::RTC_FORMAT_UINT4))
+            }
+        };
+        let geometry = Self::new(device, kind, Kept::Mesh(arrays))?;
+        geometry.set_key_count(keys.len())?;
+        for (key, view) in (0..).zip(keys) {
+            // SAFETY: the positions are owned by `kept`, stay where they are, and are padded.
+            unsafe { geometry.share(sys::RTC_BUFFER_TYPE_VERTEX, key, view) };
         }
-        let position_view = View::of(vertices.as_slice(), sys::RTC_FORMAT_FLOAT3);
-        let triangle_view = View::of(&triangles, sys::RTC_FORMAT_UINT3);
-        let kept = Kept::Triangles { _vertices: vertices, _triangles: triangles };
-        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_TRIANGLE, kept)?;
-        // SAFETY: the positions are owned by `kept`, stay where they are, and are padded.
-        unsafe { geometry.share(sys::RTC_BUFFER_TYPE_VERTEX, position_view) };
         // SAFETY: the indices are owned by `kept`, stay where they are, and all name vertices.
-        unsafe { geometry.share(sys::RTC_BUFFER_TYPE_INDEX, triangle_view) };
+        unsafe { geometry.share(sys::RTC_BUFFER_TYPE_INDEX, 0, indices) };
         geometry.commit()
     }
 
@@ -113,11 +105,30 @@ impl Geometry {
         Self::points(device, sys::RTC_GEOMETRY_TYPE_ORIENTED_DISC_POINT, centers, normals)
     }
 
-    /// A whole scene, moved. The scene may be shared by many instances but have none itself.
+    /// A shape that is asked for its own hits, from the threads that trace rays. A panic in it comes out of the query.
+    pub fn surface(device: &Device, shape: UserShape) -> Result<Self, EmbreeError> {
+        let (user, count) = (shape.pointer(), shape.primitive_count());
+        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_USER, Kept::Surface(shape))?;
+        let raw = geometry.raw();
+        // SAFETY: the geometry is alive, as for all calls below, and no other thread has seen it.
+        unsafe { sys::rtcSetGeometryUserPrimitiveCount(raw, count) };
+        // SAFETY: `user` is what the three callbacks expect, and kept.
+        unsafe { sys::rtcSetGeometryUserData(raw, user) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryBoundsFunction(raw, Some(surface::bounds), user) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryIntersectFunction(raw, Some(surface::intersect)) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryOccludedFunction(raw, Some(surface::occluded)) };
+        geometry.commit()
+    }
+
+    /// A whole scene, moved: by one map, or through up to [`crate::math::motion::MOST_KEYS`] at equal steps from the
+    /// opening of the shutter to its closing. The scene may be shared by many instances but have none itself.
     pub fn instance(
         device: &Device,
         scene: Arc<Scene<Committed>>,
-        world_from_object: &Affine3A,
+        keys: &[Affine3A],
     ) -> Result<Self, EmbreeError> {
         if !scene.device().is(device) {
             return Err(EmbreeError::OtherDevice);
@@ -126,14 +137,49 @@ impl Geometry {
             return Err(EmbreeError::NestedInstance);
         }
         let raw_scene = scene.raw();
-        let matrix = world_from_object.to_cols_array();
-        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_INSTANCE, Kept::Instance { _scene: scene })?;
+        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_INSTANCE, Kept::Instance(scene))?;
+        geometry.set_key_count(keys.len())?;
         // SAFETY: both objects are of this device; the scene is committed and kept.
         unsafe { sys::rtcSetGeometryInstancedScene(geometry.raw(), raw_scene) };
         let format = sys::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR;
-        // SAFETY: the format is that of the twelve numbers, which are copied during the call.
-        unsafe { sys::rtcSetGeometryTransform(geometry.raw(), 0, format, matrix.as_ptr().cast()) };
+        for (step, key) in (0..).zip(keys) {
+            let matrix = key.to_cols_array();
+            // SAFETY: the format is that of the twelve numbers, which are copied during the call.
+            unsafe { sys::rtcSetGeometryTransform(geometry.raw(), step, format, matrix.as_ptr().cast()) };
+        }
         geometry.commit()
+    }
+
+    /// The same geometry, seen only by rays whose mask shares a bit with `mask`. Within an instance both masks count.
+    pub fn with_mask(self, mask: u32) -> Result<Self, EmbreeError> {
+        // SAFETY: the geometry is alive and not attached.
+        unsafe { sys::rtcSetGeometryMask(self.raw(), mask) };
+        self.commit()
+    }
+
+    /// The same geometry, of whose hits only those count that `filter` accepts. A panic in it comes out of the query.
+    /// Instances take none: their members do.
+    pub fn with_filter(self, filter: Arc<dyn HitFilter>) -> Result<Self, EmbreeError> {
+        match &self.kept {
+            // Embree leaves it to user geometry to filter its hits.
+            Kept::Surface(shape) => Self::surface(&self.device, shape.clone().filtered(filter)),
+            Kept::Instance(_) => Err(EmbreeError::FilteredInstance),
+            Kept::Mesh(_) | Kept::Points { .. } => self.with_sieve(filter),
+        }
+    }
+
+    fn with_sieve(mut self, filter: Arc<dyn HitFilter>) -> Result<Self, EmbreeError> {
+        let sieve = Sieve::new(filter, self.faces().cloned());
+        let (raw, user) = (self.raw(), sieve.pointer());
+        self.sieve = Some(sieve);
+        // SAFETY: the geometry is alive, as for all calls below, and not attached; `user` is what the callback expects, and
+        // kept.
+        unsafe { sys::rtcSetGeometryUserData(raw, user) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryIntersectFilterFunction(raw, Some(filter::sift)) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryOccludedFilterFunction(raw, Some(filter::sift)) };
+        self.commit()
     }
 
     /// The device that it was made by.
@@ -148,7 +194,29 @@ impl Geometry {
 
     /// Whether it places another scene.
     pub(super) fn is_instance(&self) -> bool {
-        matches!(self.kept, Kept::Instance { .. })
+        self.instanced().is_some()
+    }
+
+    /// The scene that it places, if it is an instance.
+    pub(super) fn instanced(&self) -> Option<&Arc<Scene<Committed>>> {
+        if let Kept::Instance(scene) = &self.kept { Some(scene) } else { None }
+    }
+
+    /// What its primitives are, if they are faces of several triangles.
+    pub(super) fn faces(&self) -> Option<&Faces> {
+        match &self.kept {
+            Kept::Mesh(MeshArrays { primitives: Primitives::Quads(_, faces), .. }) => Some(faces),
+            _ => None,
+        }
+    }
+
+    /// Whether queries run user code for it.
+    pub(super) fn calls_back(&self) -> bool {
+        match &self.kept {
+            Kept::Surface(_) => true,
+            Kept::Instance(scene) => scene.after().is_some_and(After::calls_back),
+            Kept::Mesh(_) | Kept::Points { .. } => self.sieve.is_some(),
+        }
     }
 
     fn points(
@@ -162,10 +230,10 @@ impl Geometry {
         let has_normals = !normals.is_empty();
         let geometry = Self::new(device, kind, Kept::Points { _centers: centers, _normals: normals })?;
         // SAFETY: the centres are owned by `kept`, stay where they are, and are 16 bytes each.
-        unsafe { geometry.share(sys::RTC_BUFFER_TYPE_VERTEX, center_view) };
+        unsafe { geometry.share(sys::RTC_BUFFER_TYPE_VERTEX, 0, center_view) };
         if has_normals {
             // SAFETY: the normals are owned by `kept`, stay where they are, and are 16 bytes each.
-            unsafe { geometry.share(sys::RTC_BUFFER_TYPE_NORMAL, normal_view) };
+            unsafe { geometry.share(sys::RTC_BUFFER_TYPE_NORMAL, 0, normal_view) };
         }
         geometry.commit()
     }
@@ -175,18 +243,30 @@ impl Geometry {
         let raw = unsafe { sys::rtcNewGeometry(device.raw(), kind) };
         device.check()?;
         let raw = NonNull::new(raw).ok_or_else(|| EmbreeError::Library("no geometry was made".to_owned()))?;
-        Ok(Self { raw, device: device.clone(), kept })
+        // Embree's own default is one bit.
+        // SAFETY: the geometry has just been made.
+        unsafe { sys::rtcSetGeometryMask(raw.as_ptr(), u32::MAX) };
+        Ok(Self { raw, device: device.clone(), kept, sieve: None })
     }
 
-    /// Hands an array to Embree.
+    /// At how many moments of the shutter it is given.
+    fn set_key_count(&self, found: usize) -> Result<(), EmbreeError> {
+        let count = u32::try_from(found).ok().filter(|count| (1..=MOST_KEYS).contains(&(*count as usize)));
+        let count = count.ok_or(EmbreeError::Keys { found })?;
+        // SAFETY: the geometry is alive and not yet committed.
+        unsafe { sys::rtcSetGeometryTimeStepCount(self.raw(), count) };
+        Ok(())
+    }
+
+    /// Hands an array to Embree, at a moment of the shutter where it is one of several.
     ///
     /// # Safety
     /// The array behind the view outlives the geometry unchanged, and its last element is readable in 16 bytes if it
     /// is a vertex.
-    unsafe fn share(&self, kind: sys::RTCBufferType, view: View) {
+    unsafe fn share(&self, kind: sys::RTCBufferType, slot: u32, view: View) {
         let View { start, format, stride, count } = view;
         // SAFETY: the geometry is alive and not yet committed; the array is the caller's promise.
-        unsafe { sys::rtcSetSharedGeometryBuffer(self.raw(), kind, 0, format, start, 0, stride, count) };
+        unsafe { sys::rtcSetSharedGeometryBuffer(self.raw(), kind, slot, format, start, 0, stride, count) };
     }
 
     fn commit(self) -> Result<Self, EmbreeError> {
@@ -199,7 +279,7 @@ impl Geometry {
 
 /// An array as Embree is told of it.
 struct View {
-    start: *const std::ffi::c_void,
+    start: *const c_void,
     format: sys::RTCFormat,
     stride: usize,
     count: usize,
@@ -216,6 +296,7 @@ mod tests {
     use super::*;
     use crate::accel::embree::{Config, SceneOptions};
     use crate::geometry::Ray;
+    use glam::Vec3;
 
     fn committed(device: &Device, geometry: Geometry) -> Scene<Committed> {
         let mut scene = Scene::new(device, SceneOptions::default()).expect("scene");
@@ -245,7 +326,7 @@ mod tests {
         assert!(hit.ng.z > 0.0, "the normal is on the counter-clockwise side");
         drop(scene);
         assert_eq!(Arc::strong_count(&triangles), 1, "given back");
-        assert_eq!(Arc::strong_count(&vertices.padded), 1, "given back");
+        assert_eq!(vertices.owners(), 1, "given back");
     }
 
     #[test]

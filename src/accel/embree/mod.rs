@@ -25,15 +25,24 @@
 
 #![expect(unsafe_code, reason = "Embree is a C library")]
 
+mod after;
 mod build;
 mod device;
 mod error;
+mod faces;
+mod filter;
 mod geometry;
+mod guard;
+mod lanes;
+mod mesh;
 mod query;
 mod scene;
+mod surface;
 
 pub use build::{BuildOptions, EmbreeAccel};
 pub use device::{Config, Device, Isa};
 pub use error::EmbreeError;
-pub use geometry::{Geometry, Vertices};
+pub use geometry::Geometry;
+pub use mesh::{MeshArrays, Vertices};
 pub use scene::{Committed, Open, Quality, Scene, SceneOptions};
+pub use surface::UserShape;

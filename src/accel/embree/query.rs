@@ -102,6 +102,9 @@ impl Scene<Committed> {
         let mut query = sys::RTCRayHit { ray: sound(ray)?, hit: NO_HIT };
         // SAFETY: the scene is committed; the structure is aligned by its type and its identifiers are preset.
         unsafe { sys::rtcIntersect1(self.raw(), &raw mut query, null_mut()) };
+        if let Some(after) = self.after() {
+            after.single(&mut query.hit);
+        }
         let hit = &query.hit;
         Some(Hit {
             placement: placement(hit.geomID, hit.instID[0])?,
@@ -120,6 +123,9 @@ impl Scene<Committed> {
         let Some(mut query) = sound(ray) else { return false };
         // SAFETY: the scene is committed; the structure is aligned by its type.
         unsafe { sys::rtcOccluded1(self.raw(), &raw mut query, null_mut()) };
+        if let Some(after) = self.after() {
+            after.occluded();
+        }
         // Found: the end was set to negative infinity. A ray that had it there before found nothing.
         query.tfar < ray.t_max
     }
@@ -183,6 +189,9 @@ impl Scene<Committed> {
             16 => unsafe { sys::rtcIntersect16(valid, scene, to.cast(), arguments) },
             _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
         }
+        if let Some(after) = self.after() {
+            after.packet(active, &mut packet.hit);
+        }
     }
 
     /// Asks a packet of 4, 8 or 16.
@@ -205,6 +214,9 @@ impl Scene<Committed> {
             // SAFETY: as for 4.
             16 => unsafe { sys::rtcOccluded16(valid, scene, to.cast(), arguments) },
             _ => unreachable!("there are kernels for packets of 4, 8 and 16"),
+        }
+        if let Some(after) = self.after() {
+            after.occluded();
         }
     }
 

@@ -1,5 +1,6 @@
 //! Scenes: open to geometries first, committed and frozen after.
 
+use super::after::After;
 use super::device::Device;
 use super::error::EmbreeError;
 use super::geometry::Geometry;
@@ -38,6 +39,8 @@ pub struct SceneOptions {
     pub compact: bool,
     /// Prefer quick rebuilds after [`Scene::reopen`].
     pub dynamic: bool,
+    /// Hold the two triangles of a face as one quad, where a mesh tells its faces: read where meshes are made.
+    pub quads: bool,
 }
 
 impl SceneOptions {
@@ -65,6 +68,7 @@ pub struct Open(());
 #[derive(Debug)]
 pub struct Committed {
     bounds: Aabb,
+    after: Option<Box<After>>,
 }
 
 /// A set of geometries with a hierarchy over them; the state is [`Open`] or [`Committed`].
@@ -181,7 +185,8 @@ impl Scene<Open> {
         let min = Vec3::new(bounds.lower_x, bounds.lower_y, bounds.lower_z);
         let max = Vec3::new(bounds.upper_x, bounds.upper_y, bounds.upper_z);
         let bounds = if min.cmple(max).all() { Aabb { min, max } } else { Aabb::EMPTY };
-        Ok(Scene { handle: self.handle, state: Committed { bounds } })
+        let after = After::of(&self.handle.geometries);
+        Ok(Scene { handle: self.handle, state: Committed { bounds, after } })
     }
 
     /// As [`Scene::commit`], telling `progress` the part done, from 0 to 1, now and then and from several threads at a
@@ -227,6 +232,12 @@ impl Scene<Committed> {
     #[must_use]
     pub fn reopen(self) -> Scene<Open> {
         Scene { handle: self.handle, state: Open(()) }
+    }
+
+    /// What is left to do after each query, if anything.
+    #[inline]
+    pub(super) fn after(&self) -> Option<&After> {
+        self.state.after.as_deref()
     }
 
     /// Whether it places other scenes.
@@ -339,14 +350,14 @@ mod tests {
         let (one, other) = (device(), device());
         assert_eq!(open(&one).attach(0, sphere(&other, 0.0)), Err(EmbreeError::OtherDevice), "attached");
         let inner = Arc::new(open(&one).commit().expect("commit"));
-        let instance = Geometry::instance(&other, inner, &glam::Affine3A::IDENTITY);
+        let instance = Geometry::instance(&other, inner, &[glam::Affine3A::IDENTITY]);
         assert_eq!(instance.err(), Some(EmbreeError::OtherDevice), "instanced");
     }
 
     #[test]
     fn instances_do_not_nest() {
         let device = device();
-        let identity = glam::Affine3A::IDENTITY;
+        let identity = [glam::Affine3A::IDENTITY];
         let mut inner = open(&device);
         inner.attach(0, sphere(&device, 0.0)).expect("attach");
         let inner = Arc::new(inner.commit().expect("commit"));
