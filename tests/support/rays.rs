@@ -1,8 +1,7 @@
-//! Worlds and rays for tests of backends: every kind of shape and placement, and rays that are hard to answer.
+//! Rays for tests of backends, some of them hard to answer.
 
-use glam::{Affine3A, Quat, Vec3};
-use specula::geometry::{Disc, Mesh, Ray, Shape, Sphere, World};
-use specula::math::Transform;
+use glam::Vec3;
+use specula::geometry::{Ray, Shape, World};
 
 /// A small generator of its own (Steele, Lea, Flood 2014, Fast Splittable Pseudorandom Number Generators), so that the
 /// tests do not lean on what other tests check.
@@ -48,118 +47,6 @@ impl Rng {
     }
 }
 
-/// The worlds that backends must agree on.
-pub(crate) fn worlds() -> Vec<(&'static str, World)> {
-    vec![
-        ("soup", soup()),
-        ("closed", closed()),
-        ("round", round()),
-        ("instanced", instanced()),
-        ("displaced", displaced()),
-    ]
-}
-
-/// Unconnected triangles of all sizes.
-fn soup() -> World {
-    let mut rng = Rng::new(1);
-    let mut positions = Vec::new();
-    for _ in 0..600 {
-        let (center, size) = (rng.cube(), 0.01 + 0.3 * rng.unit() * rng.unit());
-        positions.extend((0..3).map(|_| center + rng.cube() * size));
-    }
-    let triangles = (0..600).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    let mut world = World::default();
-    add(&mut world, Shape::Mesh(Mesh::new(positions, triangles).expect("good")), None);
-    world
-}
-
-/// A closed bumpy sphere about the origin.
-pub(crate) fn closed() -> World {
-    let mut world = World::default();
-    add(&mut world, Shape::Mesh(bumpy(24, 16)), None);
-    world
-}
-
-/// Spheres and discs, some inside others.
-fn round() -> World {
-    let mut rng = Rng::new(2);
-    let mut world = World::default();
-    for _ in 0..40 {
-        let sphere = Sphere { center: rng.cube(), radius: 0.02 + 0.2 * rng.unit() };
-        add(&mut world, Shape::Sphere(sphere), None);
-        let disc = Disc { center: rng.cube(), normal: rng.direction(), radius: 0.02 + 0.2 * rng.unit() };
-        add(&mut world, Shape::Disc(disc), None);
-    }
-    world
-}
-
-/// Every kind of shape, placed with and without transforms, mirrored and stretched ones among them.
-pub(crate) fn instanced() -> World {
-    let mut rng = Rng::new(4);
-    let mut world = World::default();
-    let sphere = Sphere { center: Vec3::new(0.2, 0.0, 0.0), radius: 0.7 };
-    let disc = Disc { center: Vec3::ZERO, normal: Vec3::new(0.0, 0.6, 0.8), radius: 0.8 };
-    let shapes = [Shape::Mesh(bumpy(10, 6)), Shape::Sphere(sphere), Shape::Disc(disc)];
-    let shapes = shapes.map(|shape| world.add_shape(shape));
-    for i in 0..36 {
-        let stretch = Vec3::new(0.05 + 0.2 * rng.unit(), 0.05 + 0.2 * rng.unit(), 0.05 + 0.2 * rng.unit());
-        let mirror = if i % 4 == 0 { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
-        let turn = Quat::from_axis_angle(rng.direction(), rng.unit() * 6.0);
-        let affine = Affine3A::from_scale_rotation_translation(stretch * mirror, turn, rng.cube());
-        world.place(shapes[i % 3], Transform::new(affine));
-    }
-    for shape in shapes {
-        world.place(shape, None);
-    }
-    world
-}
-
-/// The bumpy sphere far from the origin: coordinates of 1000 with features of 0.1.
-fn displaced() -> World {
-    let at = Vec3::new(1000.0, -700.0, 300.0);
-    let mesh = bumpy(24, 16);
-    let positions = mesh.positions().iter().map(|p| *p + at).collect();
-    let mut world = World::default();
-    add(&mut world, Shape::Mesh(Mesh::new(positions, mesh.triangles().to_vec()).expect("good")), None);
-    world
-}
-
-/// A map that turns, stretches and mirrors.
-pub(crate) fn skewed() -> Transform {
-    let turn = Quat::from_rotation_x(0.7) * Quat::from_rotation_z(-1.1);
-    let scale = Vec3::new(-2.0, 0.5, 3.0);
-    Transform::new(Affine3A::from_scale_rotation_translation(scale, turn, Vec3::X)).expect("invertible")
-}
-
-fn add(world: &mut World, shape: Shape, transform: Option<Transform>) {
-    let shape = world.add_shape(shape);
-    world.place(shape, transform);
-}
-
-/// A sphere of radius about 1 with bumps, closed at seam and poles by shared vertices.
-fn bumpy(around: u16, up: u16) -> Mesh {
-    let mut positions = vec![Vec3::Z, -Vec3::Z];
-    for j in 1..up {
-        let theta = std::f32::consts::PI * f32::from(j) / f32::from(up);
-        for i in 0..around {
-            let phi = std::f32::consts::TAU * f32::from(i) / f32::from(around);
-            let r = 1.0 + 0.1 * (5.0 * phi).sin() * (7.0 * theta).sin();
-            positions.push(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()) * r);
-        }
-    }
-    let at = |i: u16, j: u16| 2 + u32::from(j - 1) * u32::from(around) + u32::from(i % around);
-    let mut triangles = Vec::new();
-    for i in 0..around {
-        triangles.push([0, at(i, 1), at(i + 1, 1)]);
-        triangles.push([1, at(i + 1, up - 1), at(i, up - 1)]);
-        for j in 1..up - 1 {
-            triangles.push([at(i, j), at(i, j + 1), at(i + 1, j)]);
-            triangles.push([at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)]);
-        }
-    }
-    Mesh::new(positions, triangles).expect("good")
-}
-
 /// How rays are aimed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Aim {
@@ -167,16 +54,21 @@ pub(crate) enum Aim {
     Anywhere,
     /// Along an axis, with zeros in the direction.
     Axis,
-    /// At edges, corners and rims.
+    /// At edges and rims.
     Edge,
+    /// Exactly at corners.
+    Vertex,
     /// Nearly along the surface.
     Grazing,
     /// From a thousand times the size of the world.
     Far,
+    /// From a million times the size of the world.
+    Farthest,
 }
 
 impl Aim {
-    pub(crate) const ALL: [Self; 5] = [Self::Anywhere, Self::Axis, Self::Edge, Self::Grazing, Self::Far];
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Anywhere, Self::Axis, Self::Edge, Self::Vertex, Self::Grazing, Self::Far, Self::Farthest];
 
     /// `count` rays, the same every time.
     pub(crate) fn rays(self, world: &World, count: usize) -> Vec<Ray> {
@@ -188,7 +80,12 @@ impl Aim {
         let bounds = world.bounds();
         let (center, radius) = (bounds.center(), bounds.radius());
         let o = center + rng.cube() * bounds.size() * 0.75;
-        match self {
+        let time = rng.unit();
+        let far = |rng: &mut Rng, times: f32| {
+            let o = center + rng.direction() * radius * times;
+            Ray::new(o, center + rng.cube() * bounds.size() * 0.5 - o)
+        };
+        let mut ray = match self {
             Self::Anywhere => {
                 let ray = Ray::new(o, rng.direction() * (0.5 + rng.unit()));
                 match rng.below(4) {
@@ -201,37 +98,54 @@ impl Aim {
                 let sign = if rng.bits() & 1 == 0 { 1.0 } else { -1.0 };
                 Ray::new(o, Vec3::AXES[rng.below(3)] * sign)
             }
-            Self::Edge => Ray::new(o, edge_point(world, rng) - o),
+            Self::Edge => Ray::new(o, surface_point(world, rng, time, Part::Edge).0 - o),
+            Self::Vertex => Ray::new(o, surface_point(world, rng, time, Part::Corner).0 - o),
             Self::Grazing => {
-                let (p, n) = surface_point(world, rng, false);
+                let (p, n) = surface_point(world, rng, time, Part::Inside);
                 let along = n.cross(rng.direction()).normalize_or(Vec3::X);
                 let d = along - n * (1e-3 * rng.unit());
                 Ray::new(p - d * radius * rng.unit(), d)
             }
-            Self::Far => {
-                let o = center + rng.direction() * radius * 1000.0;
-                Ray::new(o, center + rng.cube() * bounds.size() * 0.5 - o)
-            }
+            Self::Far => far(rng, 1e3),
+            Self::Farthest => far(rng, 1e6),
+        };
+        if matches!(self, Self::Edge | Self::Vertex | Self::Far | Self::Farthest) {
+            ray.d = about_unit(ray.d);
         }
+        if rng.below(4) == 0 {
+            ray.mask = rng.bits();
+        }
+        ray.at_time(time)
     }
 }
 
-/// A point on an edge, corner or rim.
-pub(crate) fn edge_point(world: &World, rng: &mut Rng) -> Vec3 {
-    surface_point(world, rng, true).0
+/// The direction with a length from 0.7 to 1.5, exactly the same way.
+pub(crate) fn about_unit(d: Vec3) -> Vec3 {
+    d * (-d.length().log2().round()).exp2()
 }
 
-/// A point of a surface and its normal, in the world; on an edge if asked for.
-fn surface_point(world: &World, rng: &mut Rng, edge: bool) -> (Vec3, Vec3) {
+/// Where on a primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Anywhere within.
+    Inside,
+    /// On an edge or rim.
+    Edge,
+    /// At a corner; on an edge or rim of what has none.
+    Corner,
+}
+
+/// A point of a surface at a moment of the shutter, and the normal there.
+pub(crate) fn surface_point(world: &World, rng: &mut Rng, time: f32, part: Part) -> (Vec3, Vec3) {
     let placement = &world.placements[rng.below(world.placements.len())];
     let (p, n) = match &world.shapes[placement.shape.index()] {
         Shape::Mesh(mesh) => {
             let triangle = rng.below(mesh.triangles().len());
-            let [a, b, c] = mesh.corners(u32::try_from(triangle).expect("few triangles"));
-            let (u, v) = match (edge, rng.below(3)) {
-                (true, 0) => (0.0, 0.0),
-                (true, _) => (rng.unit(), 0.0),
-                (false, _) => (rng.unit() * 0.5, rng.unit() * 0.5),
+            let [a, b, c] = mesh.corners_at(u32::try_from(triangle).expect("few triangles"), time);
+            let (u, v) = match part {
+                Part::Corner => (0.0, 0.0),
+                Part::Edge => (rng.unit(), 0.0),
+                Part::Inside => (rng.unit() * 0.5, rng.unit() * 0.5),
             };
             (a + (b - a) * u + (c - a) * v, (b - a).cross(c - a).normalize_or(Vec3::Z))
         }
@@ -241,12 +155,22 @@ fn surface_point(world: &World, rng: &mut Rng, edge: bool) -> (Vec3, Vec3) {
         }
         Shape::Disc(disc) => {
             let rim = disc.normal.cross(rng.direction()).normalize_or(Vec3::X);
-            let out = if edge { 1.0 } else { rng.unit() };
+            let out = if part == Part::Inside { rng.unit() } else { 1.0 };
             (disc.center + rim * disc.radius * out, disc.normal)
         }
-        Shape::Surface(_) => unreachable!("no world here has one"),
+        shape @ Shape::Surface(_) => {
+            // A ray finds one.
+            let bounds = shape.bounds();
+            let prim = u32::try_from(rng.below(shape.primitive_count())).expect("few");
+            let center = shape.primitive_bounds(prim).center();
+            let inwards = rng.direction() * bounds.radius() * 3.0;
+            let ray = Ray::new(center - inwards, inwards);
+            let hit = shape.intersect(prim, &ray).expect("its middle is inside");
+            let point = shape.point(prim, &ray, &hit);
+            (point.p, point.ng)
+        }
     };
-    match placement.pose.at(0.0) {
+    match placement.pose.at(time) {
         None => (p, n),
         Some(t) => (t.point(p), t.normal(n).normalize_or(Vec3::Z)),
     }

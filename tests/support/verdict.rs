@@ -2,22 +2,39 @@
 //!
 //! Single precision cannot but answer otherwise than the oracle where a ray meets an edge or a rim. So an answer is
 //! judged by itself: the point it names must lie on the primitive it names and on the ray, and what it passed over
-//! must have been met within rounding of its boundary. The first is an error otherwise; the second is a leak, which
-//! a kernel may have but a good one seldom has.
+//! must have been met within rounding of its boundary. Otherwise it is wrong.
 
 use glam::Vec3;
 use specula::accel::{Accel, Brute};
 use specula::geometry::{Hit, Ray, Shape, ShapeHit, World};
 
 /// What an answer is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(crate) enum Verdict {
-    /// Right, to within rounding.
-    Right,
-    /// The ray slipped past a boundary that it meets within rounding.
-    Leak,
-    /// Neither.
+    /// The oracle's own primitive, or a miss where it misses.
+    Same,
+    /// Another primitive at the same distance: an edge that two share, or surfaces that touch.
+    Tie,
+    /// A hit that the oracle misses, within rounding of a boundary.
+    Extra,
+    /// The ray slipped past an edge of a triangle that it meets within rounding.
+    Edge,
+    /// The same at the rim or silhouette of a round shape.
+    Rim,
+    /// The same at an end of the ray's range.
+    Range,
+    /// None of these.
     Wrong,
+}
+
+impl Verdict {
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Same, Self::Tie, Self::Extra, Self::Edge, Self::Rim, Self::Range, Self::Wrong];
+
+    /// Whether light would pass where it should not.
+    pub(crate) fn is_leak(self) -> bool {
+        matches!(self, Self::Edge | Self::Rim)
+    }
 }
 
 /// Judges an answer, given the oracle's.
@@ -28,21 +45,28 @@ pub(crate) fn judge(
     oracle: Option<&Hit>,
     found: Option<&Hit>,
 ) -> Verdict {
+    let identity = |hit: &Hit| (hit.placement, hit.prim);
     if found.is_some_and(|hit| !Met::new(world, ray, hit).is_consistent()) {
         return Verdict::Wrong;
     }
-    let mut verdict = Verdict::Right;
+    if found.map(identity) == oracle.map(identity) {
+        return Verdict::Same;
+    }
+    let mut verdict = Verdict::Extra;
     let mut next = oracle.copied();
     // Everything in front of the answer was passed over.
     while let Some(passed) = next {
         let met = Met::new(world, ray, &passed);
-        if found.is_some_and(|hit| hit.t <= passed.t + met.reach()) {
-            return verdict;
+        if let Some(hit) = found
+            && hit.t <= passed.t + met.reach()
+        {
+            let is_tie = verdict == Verdict::Extra && hit.t >= passed.t - met.reach();
+            return if is_tie { Verdict::Tie } else { verdict };
         }
-        if !met.is_marginal() {
-            return Verdict::Wrong;
+        let Some(boundary) = met.boundary() else { return Verdict::Wrong };
+        if verdict == Verdict::Extra {
+            verdict = boundary;
         }
-        verdict = Verdict::Leak;
         let mut rest = *ray;
         rest.t_min = passed.t + met.reach();
         next = brute.intersect(&rest);
@@ -50,8 +74,16 @@ pub(crate) fn judge(
     verdict
 }
 
+/// How far two hits on one primitive lie apart along its normal, in parts of the coordinates between which the ray runs.
+pub(crate) fn deviation(ray: &Ray, found: &Hit, oracle: &Hit) -> f32 {
+    let cos = ray.d.normalize().dot(oracle.ng.normalize_or_zero()).abs();
+    let scale = ray.o.length() + ray.at(oracle.t).length();
+    (found.t - oracle.t).abs() * ray.d.length() * cos / scale
+}
+
 /// A hit with the ray in the space of the shape that was hit.
 struct Met<'a> {
+    world: &'a World,
     shape: &'a Shape,
     ray: &'a Ray,
     hit: &'a Hit,
@@ -81,7 +113,7 @@ impl<'a> Met<'a> {
         let (d, inner) = (local.d, local.at(hit.t));
         let rounding = far(local.o, inner) + far(ray.o, p) * stretch;
         let cos = d.normalize().dot(hit.ng.normalize_or_zero()).abs().max(1e-6);
-        Self { shape, ray, hit, local, d, p: inner, rounding, cos }
+        Self { world, shape, ray, hit, local, d, p: inner, rounding, cos }
     }
 
     /// Rounding seen along the surface.
@@ -94,22 +126,43 @@ impl<'a> Met<'a> {
         2e-5 * self.hit.t + self.spread() / self.d.length()
     }
 
-    /// Whether the hit lies on the primitive that it names, where its parameters say, with the right normal.
+    /// Whether the hit counts and lies on the primitive that it names, where its parameters say, with the right normal.
     fn is_consistent(&self) -> bool {
+        self.counts() && self.is_on_primitive()
+    }
+
+    /// Whether the ray sees the placement, and its filter lets the hit count; what a filter says of a ray along the
+    /// surface is left to chance.
+    fn counts(&self) -> bool {
+        let Hit { t, u, v, ng, prim, placement } = *self.hit;
+        let placement = &self.world.placements[placement.index()];
+        let filter = self.world.filters.get(&placement.shape);
+        let accepted = filter.is_none_or(|f| f.accepts(&self.local, &ShapeHit { t, u, v, ng }, prim));
+        placement.mask & self.ray.mask != 0 && (accepted || self.cos < 1e-2)
+    }
+
+    fn is_on_primitive(&self) -> bool {
         let off = |n: Vec3| self.hit.ng.normalize_or_zero().dot(n) < 0.999;
+        let slack = self.spread() + 2e-5 * self.hit.t * self.d.length();
         match self.shape {
             Shape::Mesh(mesh) => {
                 let [a, b, c] = mesh.corners_at(self.hit.prim, self.ray.time);
                 let (e1, e2) = (b - a, c - a);
                 let (u, v) = (self.hit.u.clamp(0.0, 1.0), self.hit.v.clamp(0.0, 1.0));
                 let named = a + e1 * u + e2 * v;
-                let slack = self.spread() + 2e-5 * self.hit.t * self.d.length();
                 let inside = u + v <= 1.0 + 1e-5 + self.spread() / e1.length().min(e2.length());
-                inside && (named - self.p).length() <= slack && !off(e1.cross(e2).normalize_or_zero())
+                let across = e1.as_dvec3().cross(e2.as_dvec3());
+                let n = across.normalize_or_zero().as_vec3();
+                // Kernels that take the origin from the corners first know the normal no better than those differences.
+                let height = across.length() as f32 / e1.length().max(e2.length());
+                let is_known = self.rounding < 1e-2 * height;
+                inside && (named - self.p).length() <= slack && (!is_known || !off(n))
             }
             Shape::Sphere(s) => {
                 let out = self.p - s.center;
-                (out.length() - s.radius).abs() <= 4.0 * self.rounding && !off(out.normalize_or_zero())
+                let is_known = self.rounding < 1e-2 * s.radius;
+                (out.length() - s.radius).abs() <= 4.0 * self.rounding
+                    && (!is_known || !off(out.normalize_or_zero()))
             }
             Shape::Disc(s) => {
                 let out = self.p - s.center;
@@ -120,32 +173,34 @@ impl<'a> Met<'a> {
             Shape::Surface(s) => {
                 let Hit { t, u, v, ng, prim, .. } = *self.hit;
                 let point = s.point(prim, &self.local, &ShapeHit { t, u, v, ng });
-                let slack = point.p_error.length() + self.spread() + 2e-5 * t * self.d.length();
-                (point.p - self.p).length() <= slack && !off(point.ng)
+                let is_known = self.rounding < 1e-2 * s.primitive_bounds(prim).size().min_element();
+                (point.p - self.p).length() <= point.p_error.length() + slack && (!is_known || !off(point.ng))
             }
         }
     }
 
-    /// Whether a ray within rounding of this one would have missed the primitive, or met it out of range.
-    fn is_marginal(&self) -> bool {
+    /// What a ray within rounding of this one would have slipped past, missing the primitive; `None` if every such ray
+    /// meets it.
+    fn boundary(&self) -> Option<Verdict> {
         let ends = [self.ray.t_min, self.ray.t_max];
         if ends.iter().any(|end| (self.hit.t - end).abs() <= self.reach()) {
-            return true;
+            return Some(Verdict::Range);
         }
-        let margin = match self.shape {
+        let (is_near, boundary) = match self.shape {
             Shape::Mesh(mesh) => {
                 let [a, b, c] = mesh.corners_at(self.hit.prim, self.ray.time);
-                let area2 = (b - a).cross(c - a).length();
+                let area2 = (b - a).as_dvec3().cross((c - a).as_dvec3()).length() as f32;
                 let (u, v) = (self.hit.u, self.hit.v);
                 let heights = [c - b, c - a, b - a].map(|edge| area2 / edge.length());
-                (heights[0] * (1.0 - u - v)).min(heights[1] * u).min(heights[2] * v)
+                let margin = (heights[0] * (1.0 - u - v)).min(heights[1] * u).min(heights[2] * v);
+                (margin <= self.spread(), Verdict::Edge)
             }
             // How far the ray dips below the silhouette, seen along it.
-            Shape::Sphere(s) => return s.radius * self.cos * self.cos * 0.5 <= 4.0 * self.rounding,
-            Shape::Disc(s) => s.radius - (self.p - s.center).length(),
-            Shape::Surface(_) => return self.is_met_by_chance(),
+            Shape::Sphere(s) => (s.radius * self.cos * self.cos * 0.5 <= 4.0 * self.rounding, Verdict::Rim),
+            Shape::Disc(s) => (s.radius - (self.p - s.center).length() <= self.spread(), Verdict::Rim),
+            Shape::Surface(_) => (self.is_met_by_chance(), Verdict::Rim),
         };
-        margin <= self.spread()
+        is_near.then_some(boundary)
     }
 
     /// Whether some ray beside this one, at the distance of rounding, misses the primitive or meets it elsewhere.

@@ -1,0 +1,333 @@
+//! Worlds for tests of backends: every kind of shape and placement, still and moving, huge, tiny and far away.
+
+use crate::rays::Rng;
+use glam::{Affine3A, Quat, Vec2, Vec3};
+use specula::geometry::{
+    Disc, HitFilter, Mesh, Pose, Ray, Shape, ShapeHit, Sphere, Surface, SurfacePoint, World,
+};
+use specula::math::{Aabb, Motion, Transform};
+use std::sync::Arc;
+
+/// The worlds that backends must agree on.
+pub(crate) fn worlds() -> Vec<(&'static str, World)> {
+    vec![
+        ("soup", soup()),
+        ("closed", closed()),
+        ("quads", quads()),
+        ("round", round()),
+        ("surfaces", surfaces()),
+        ("instanced", instanced()),
+        ("nested", nested()),
+        ("moving", moving()),
+        ("masked", masked()),
+        ("filtered", filtered()),
+        ("displaced", displaced(Vec3::new(1000.0, -700.0, 300.0), 1.0)),
+        ("remote", displaced(Vec3::new(1e6, -7e5, 3e5), 100.0)),
+        ("tiny", displaced(Vec3::ZERO, 1e-6)),
+        ("huge", displaced(Vec3::ZERO, 1e6)),
+    ]
+}
+
+/// Unconnected triangles of all sizes.
+fn soup() -> World {
+    let mut rng = Rng::new(1);
+    let mut positions = Vec::new();
+    for _ in 0..600 {
+        let (center, size) = (rng.cube(), 0.01 + 0.3 * rng.unit() * rng.unit());
+        positions.extend((0..3).map(|_| center + rng.cube() * size));
+    }
+    let triangles = (0..600).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let mut world = World::default();
+    add(&mut world, Shape::Mesh(Mesh::new(positions, triangles).expect("good")), Pose::World);
+    world
+}
+
+/// A closed bumpy sphere about the origin.
+pub(crate) fn closed() -> World {
+    let mut world = World::default();
+    add(&mut world, Shape::Mesh(bumpy(24, 16)), Pose::World);
+    world
+}
+
+/// The bumpy sphere in faces of four corners and of three, in place and as a mirrored instance.
+fn quads() -> World {
+    let mut world = World::default();
+    let mesh = bumpy_faces(24, 16);
+    let shape = add(&mut world, Shape::Mesh(mesh), Pose::World);
+    world.place(shape, Pose::Still(skewed()));
+    world
+}
+
+/// Spheres and discs, some inside others.
+fn round() -> World {
+    let mut rng = Rng::new(2);
+    let mut world = World::default();
+    for _ in 0..40 {
+        let sphere = Sphere { center: rng.cube(), radius: 0.02 + 0.2 * rng.unit() };
+        add(&mut world, Shape::Sphere(sphere), Pose::World);
+        let disc = Disc { center: rng.cube(), normal: rng.direction(), radius: 0.02 + 0.2 * rng.unit() };
+        add(&mut world, Shape::Disc(disc), Pose::World);
+    }
+    world
+}
+
+/// Shapes that find their own hits, in place and as instances.
+fn surfaces() -> World {
+    let mut rng = Rng::new(6);
+    let mut world = World::default();
+    for _ in 0..12 {
+        let balls = (0..3).map(|_| Ellipsoid::random(&mut rng, 0.05, 0.3)).collect();
+        let shape = add(&mut world, Shape::Surface(Arc::new(Ellipsoids(balls))), Pose::World);
+        world.place(shape, random_map(&mut rng, 0.3, 1.0));
+    }
+    world
+}
+
+/// Every kind of shape, placed with and without transforms, mirrored and stretched ones among them.
+pub(crate) fn instanced() -> World {
+    let mut rng = Rng::new(4);
+    let mut world = World::default();
+    let shapes = one_of_each(&mut rng).map(|shape| world.add_shape(shape));
+    for i in 0..36 {
+        world.place(shapes[i % 4], random_map(&mut rng, 0.05, 0.25));
+    }
+    for shape in shapes {
+        world.place(shape, None);
+    }
+    world
+}
+
+/// Groups within groups.
+fn nested() -> World {
+    let mut rng = Rng::new(8);
+    let mut world = instanced();
+    let mut group = std::mem::take(&mut world.placements);
+    for level in 0..2 {
+        let start = world.placements.len();
+        for _ in 0..3 {
+            let pose = random_map(&mut rng, 0.4, 0.9).into();
+            world.place_group(&group, &pose).expect("invertible");
+        }
+        if level == 0 {
+            group = world.placements.split_off(start);
+        }
+    }
+    world
+}
+
+/// Placements and vertices under way, at different numbers of keys; groups of them under way as a whole.
+fn moving() -> World {
+    let mut rng = Rng::new(9);
+    let mut world = World::default();
+    let shapes = one_of_each(&mut rng).map(|shape| world.add_shape(shape));
+    for (i, keys) in (0..24).zip([2, 3, 7].into_iter().cycle()) {
+        world.place(shapes[i % 4], random_motion(&mut rng, keys, 0.1, 0.4));
+    }
+    for keys in [1, 2, 6] {
+        let mesh = bumpy(10, 6);
+        let key = |rng: &mut Rng| {
+            let by = Transform::new(random_affine(rng, 0.3, 0.6)).expect("invertible");
+            (mesh.positions().iter().map(|p| by.point(*p)).collect(), None)
+        };
+        let later = (0..keys).map(|_| key(&mut rng)).collect();
+        let shape = add(&mut world, Shape::Mesh(mesh.clone().with_keys(later).expect("good")), Pose::World);
+        world.place(shape, random_map(&mut rng, 0.2, 0.5));
+        world.place(shape, random_motion(&mut rng, 3, 0.2, 0.5));
+    }
+    let group = world.placements[..6].to_vec();
+    let pose = random_motion(&mut rng, 3, 0.3, 0.6).into();
+    world.place_group(&group, &pose).expect("invertible");
+    world
+}
+
+/// Placements that some rays do not see.
+fn masked() -> World {
+    let mut rng = Rng::new(10);
+    let mut world = instanced();
+    for placement in &mut world.placements {
+        placement.mask = match rng.below(4) {
+            0 => 0,
+            1 => u32::MAX,
+            _ => rng.bits(),
+        };
+    }
+    world
+}
+
+/// Shapes of which only some hits count.
+fn filtered() -> World {
+    let mut world = instanced();
+    for (id, filter) in (0..).zip([Some(Sieve::Odd), Some(Sieve::Leaving), None, Some(Sieve::Leaving)]) {
+        if let Some(filter) = filter {
+            world.filters.insert(specula::geometry::ShapeId(id), Arc::new(filter));
+        }
+    }
+    world
+}
+
+/// The bumpy sphere elsewhere and of another size.
+fn displaced(at: Vec3, size: f32) -> World {
+    let mesh = bumpy(24, 16);
+    let positions = mesh.positions().iter().map(|p| *p * size + at).collect();
+    let mut world = World::default();
+    let mesh = Mesh::new(positions, mesh.triangles().to_vec()).expect("good");
+    add(&mut world, Shape::Mesh(mesh), Pose::World);
+    world
+}
+
+/// A map that turns, stretches and mirrors.
+pub(crate) fn skewed() -> Transform {
+    let turn = Quat::from_rotation_x(0.7) * Quat::from_rotation_z(-1.1);
+    let scale = Vec3::new(-2.0, 0.5, 3.0);
+    Transform::new(Affine3A::from_scale_rotation_translation(scale, turn, Vec3::X)).expect("invertible")
+}
+
+fn random_affine(rng: &mut Rng, least: f32, most: f32) -> Affine3A {
+    let mut stretch = || least + (most - least) * rng.unit();
+    let stretch = Vec3::new(stretch(), stretch(), stretch());
+    let turn = Quat::from_axis_angle(rng.direction(), rng.unit() * 6.0);
+    Affine3A::from_scale_rotation_translation(stretch, turn, rng.cube())
+}
+
+/// A map that turns, stretches and sometimes mirrors.
+fn random_map(rng: &mut Rng, least: f32, most: f32) -> Option<Transform> {
+    let mirror = Vec3::new(if rng.below(4) == 0 { -1.0 } else { 1.0 }, 1.0, 1.0);
+    Transform::new(random_affine(rng, least, most) * Affine3A::from_scale(mirror))
+}
+
+/// A way through maps whose turns are small enough to stay invertible.
+fn random_motion(rng: &mut Rng, keys: u16, least: f32, most: f32) -> Motion {
+    let start = random_affine(rng, least, most);
+    let (axis, along) = (rng.direction(), rng.cube() * 0.3);
+    let key = |i: u16| {
+        let part = f32::from(i) / f32::from(keys - 1);
+        Affine3A::from_translation(along * part) * start * Affine3A::from_axis_angle(axis, part * 1.2)
+    };
+    Motion::new(&(0..keys).map(key).collect::<Vec<_>>()).expect("invertible")
+}
+
+fn add(world: &mut World, shape: Shape, pose: Pose) -> specula::geometry::ShapeId {
+    let shape = world.add_shape(shape);
+    world.place(shape, pose);
+    shape
+}
+
+fn one_of_each(rng: &mut Rng) -> [Shape; 4] {
+    let sphere = Sphere { center: Vec3::new(0.2, 0.0, 0.0), radius: 0.7 };
+    let disc = Disc { center: Vec3::ZERO, normal: Vec3::new(0.0, 0.6, 0.8), radius: 0.8 };
+    let balls = (0..2).map(|_| Ellipsoid::random(rng, 0.2, 0.7)).collect();
+    let surface = Shape::Surface(Arc::new(Ellipsoids(balls)));
+    [Shape::Mesh(bumpy(10, 6)), Shape::Sphere(sphere), Shape::Disc(disc), surface]
+}
+
+/// A sphere of radius about 1 with bumps, closed at seam and poles by shared vertices.
+fn bumpy(around: u16, up: u16) -> Mesh {
+    let mesh = bumpy_faces(around, up);
+    Mesh::new(mesh.positions().to_vec(), mesh.triangles().to_vec()).expect("good")
+}
+
+/// The same, told which triangles are halves of a face.
+fn bumpy_faces(around: u16, up: u16) -> Mesh {
+    let mut positions = vec![Vec3::Z, -Vec3::Z];
+    for j in 1..up {
+        let theta = std::f32::consts::PI * f32::from(j) / f32::from(up);
+        for i in 0..around {
+            let phi = std::f32::consts::TAU * f32::from(i) / f32::from(around);
+            let r = 1.0 + 0.1 * (5.0 * phi).sin() * (7.0 * theta).sin();
+            positions.push(Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()) * r);
+        }
+    }
+    let at = |i: u16, j: u16| 2 + u32::from(j - 1) * u32::from(around) + u32::from(i % around);
+    let (mut triangles, mut faces) = (Vec::new(), Vec::new());
+    let mut face = |corners: &[[u32; 3]]| {
+        faces.push(u32::try_from(triangles.len()).expect("few"));
+        triangles.extend_from_slice(corners);
+    };
+    for i in 0..around {
+        face(&[[0, at(i, 1), at(i + 1, 1)]]);
+        face(&[[1, at(i + 1, up - 1), at(i, up - 1)]]);
+        for j in 1..up - 1 {
+            let [a, b, c, d] = [at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            face(&[[a, b, c], [a, c, d]]);
+        }
+    }
+    Mesh::new(positions, triangles).expect("good").with_faces(faces).expect("pairs")
+}
+
+/// An ellipsoid with its axes along those of the space; in double precision.
+#[derive(Clone, Copy, Debug)]
+struct Ellipsoid {
+    center: Vec3,
+    axes: Vec3,
+}
+
+impl Ellipsoid {
+    fn random(rng: &mut Rng, least: f32, most: f32) -> Self {
+        let mut axis = || least + (most - least) * rng.unit();
+        let axes = Vec3::new(axis(), axis(), axis());
+        Self { center: rng.cube() * 0.5, axes }
+    }
+
+    /// The normal at a point, of any length.
+    fn normal(&self, p: Vec3) -> Vec3 {
+        (p - self.center) / (self.axes * self.axes)
+    }
+
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let axes = self.axes.as_dvec3();
+        let o = (ray.o.as_dvec3() - self.center.as_dvec3()) / axes;
+        let d = ray.d.as_dvec3() / axes;
+        let mid = -o.dot(d) / d.length_squared();
+        let half2 = (1.0 - (o + d * mid).length_squared()) / d.length_squared();
+        let half = (half2 >= 0.0).then(|| half2.sqrt())?;
+        let roots = [mid - half, mid + half].map(|t| t as f32);
+        let t = roots.into_iter().find(|&t| t >= ray.t_min && t <= ray.t_max)?;
+        Some(ShapeHit { t, u: 0.0, v: 0.0, ng: self.normal(ray.at(t)) })
+    }
+}
+
+/// Several ellipsoids, each a primitive.
+#[derive(Clone, Debug)]
+struct Ellipsoids(Vec<Ellipsoid>);
+
+impl Surface for Ellipsoids {
+    fn primitive_count(&self) -> u32 {
+        u32::try_from(self.0.len()).expect("few")
+    }
+
+    fn primitive_bounds(&self, prim: u32) -> Aabb {
+        let Ellipsoid { center, axes } = self.0[prim as usize];
+        let reach = axes * (1.0 + 1e-5);
+        Aabb { min: center - reach, max: center + reach }
+    }
+
+    fn intersect(&self, prim: u32, ray: &Ray) -> Option<ShapeHit> {
+        self.0[prim as usize].intersect(ray)
+    }
+
+    fn point(&self, prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        let ball = self.0[prim as usize];
+        let out = (ray.at(hit.t) - ball.center) / ball.axes;
+        let p = ball.center + out.normalize() * ball.axes;
+        let p_error = (ball.center.abs() + ball.axes) * 1e-6;
+        SurfacePoint::smooth(p, p_error, ball.normal(p).normalize(), Vec2::ZERO)
+    }
+}
+
+/// Which hits count.
+#[derive(Clone, Copy, Debug)]
+enum Sieve {
+    /// Those on primitives of odd number.
+    Odd,
+    /// Those where the ray leaves.
+    Leaving,
+}
+
+impl HitFilter for Sieve {
+    fn accepts(&self, ray: &Ray, hit: &ShapeHit, prim: u32) -> bool {
+        match self {
+            Self::Odd => prim % 2 == 1,
+            Self::Leaving => hit.ng.dot(ray.d) > 0.0,
+        }
+    }
+}
