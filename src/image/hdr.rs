@@ -10,7 +10,7 @@ use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageError};
 
 use super::buffer::{Repairs, check_size};
-use super::{Decoded, Image, Window};
+use super::{Decoded, Image, Range, Window};
 use crate::error::{Error, Place, Problem, Result};
 use crate::math::Rgb;
 
@@ -43,7 +43,8 @@ pub(super) fn read(path: &Path) -> Result<Decoded> {
             .remedy(format!("for the original radiance scale by {}", 1.0 / exposure))
     }));
     let window = Window::whole(header.width, header.height);
-    Ok(Decoded { image, alpha: None, window, full: [header.width, header.height], warnings })
+    let range = Range::Scene;
+    Ok(Decoded { image, range, alpha: None, window, full: [header.width, header.height], warnings })
 }
 
 /// Whether the file starts as the standard says. Many start with `#?RGBE` instead, which only a lenient reader takes.

@@ -43,11 +43,22 @@ impl Format {
     }
 }
 
+/// What the numbers of a picture stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Range {
+    /// Light of a scene, without an upper end.
+    Scene,
+    /// What a display shows, from 0 for its black to 1 for its white.
+    Display,
+}
+
 /// A colour picture read from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Decoded {
-    /// Linear colour, all of it finite.
+    /// Linear colour, all of it finite unless [`read_as_stored`] says otherwise.
     pub image: Image,
+    /// What it stands for.
+    pub range: Range,
     /// Coverage in [0, 1] by row, where the file has it.
     pub alpha: Option<Vec<f32>>,
     /// Where `image` lies in the whole picture: all of it, unless the file holds a crop.
@@ -65,6 +76,20 @@ pub fn read(path: &Path) -> Result<Decoded> {
         "hdr" => hdr::read(path),
         _ => Err(Problem::at(Place::file(path), "not a picture that can be read")
             .remedy("use an .exr or .hdr file")
+            .into()),
+    }
+}
+
+/// The colour picture in an `.exr`, `.hdr` or `.png` file with its numbers as they are, finite or not: for those who judge
+/// a file rather than use it.
+pub fn read_as_stored(path: &Path) -> Result<Decoded> {
+    match extension(path).as_str() {
+        "exr" => exr::read(path)?.into_stored(path),
+        // The format has no way to write a number that is not finite.
+        "hdr" => hdr::read(path),
+        "png" => png::read(path),
+        _ => Err(Problem::at(Place::file(path), "not a picture that can be read")
+            .remedy("use an .exr, .hdr or .png file")
             .into()),
     }
 }

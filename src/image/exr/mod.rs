@@ -14,7 +14,7 @@ pub use read::{ChannelInfo, channels, read};
 pub use write::write;
 
 use super::buffer::Repairs;
-use super::{Decoded, Image, Window};
+use super::{Decoded, Image, Range, Window};
 use crate::error::{Place, Problem, Result};
 use crate::math::Rgb;
 
@@ -89,13 +89,24 @@ impl Picture {
     }
 
     /// The colour picture in it: R, G, B, and A if there, without a layer or else of the first layer that has them; or a
-    /// grey one of Y. `path` is for messages.
+    /// grey one of Y. Numbers that are not finite are replaced and told. `path` is for messages.
     pub fn into_decoded(self, path: &Path) -> Result<Decoded> {
-        let prefix = self.colour_prefix(path)?;
         let mut repairs = Repairs::default();
+        let mut decoded = self.into_colour(path, |x| repairs.finite(x))?;
+        decoded.warnings.extend(repairs.warnings(path));
+        Ok(decoded)
+    }
+
+    /// The same colour picture with its numbers as they are.
+    pub fn into_stored(self, path: &Path) -> Result<Decoded> {
+        self.into_colour(path, |x| x)
+    }
+
+    fn into_colour(self, path: &Path, mut number: impl FnMut(f32) -> f32) -> Result<Decoded> {
+        let prefix = self.colour_prefix(path)?;
         let mut values = |name: &str| -> Option<Vec<f32>> {
             let mut values = self.channel(&format!("{prefix}{name}"))?.to_f32();
-            values.iter_mut().for_each(|x| *x = repairs.finite(*x));
+            values.iter_mut().for_each(|x| *x = number(*x));
             Some(values)
         };
         let pixels = match (values("R"), values("G"), values("B")) {
@@ -108,9 +119,8 @@ impl Picture {
         let Some(image) = Image::from_pixels(self.window.width(), self.window.height(), pixels) else {
             return Err(Problem::at(Place::file(path), "channels of different sizes").into());
         };
-        let mut warnings = self.warnings;
-        warnings.extend(repairs.warnings(path));
-        Ok(Decoded { image, alpha, window: self.window, full: self.full, warnings })
+        let Self { window, full, warnings, .. } = self;
+        Ok(Decoded { image, range: Range::Scene, alpha, window, full, warnings })
     }
 
     /// What stands before `R`, `G`, `B` in the names of the channels to take for colour.
