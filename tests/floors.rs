@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lowest first.
-const FLOORS: [&str; 16] = [
+const FLOORS: [&str; 17] = [
     "math",
     "error",
     "image",
@@ -21,6 +21,7 @@ const FLOORS: [&str; 16] = [
     "scene",
     "integrator",
     "render",
+    "measure",
     "cli",
 ];
 
