@@ -151,6 +151,9 @@ pub enum Error {
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,
+    /// A check said no: all that it found, in words.
+    #[error("{}", .0.join("\n"))]
+    Check(Vec<String>),
 }
 
 impl From<Problem> for Error {

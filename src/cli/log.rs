@@ -8,10 +8,11 @@ use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
 use tracing_subscriber::fmt::{FmtContext, fmt};
 use tracing_subscriber::registry::LookupSpan;
 
-use super::args::{LogFormat, LogLevel, RenderArgs};
+use super::args::{LogArgs, LogFormat, LogLevel};
+use crate::error::Problem;
 
 /// Starts the log as asked for.
-pub(super) fn start(args: &RenderArgs) {
+pub(super) fn start(args: &LogArgs) {
     let default = if args.quiet { Level::WARN } else { Level::INFO };
     let level = args.log_level.map_or(default, |level| match level {
         LogLevel::Error => Level::ERROR,
@@ -26,6 +27,11 @@ pub(super) fn start(args: &RenderArgs) {
 /// Starts a log for people, for commands that have no flags for it.
 pub(super) fn start_if_not_yet() {
     start_with(LogFormat::Text, Level::WARN);
+}
+
+/// Logs warnings, one a line.
+pub(super) fn warn(warnings: &[Problem]) {
+    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
 }
 
 /// Does nothing if there is a log already.

@@ -5,6 +5,7 @@
 //! the same checks, the same messages.
 
 mod args;
+mod diff;
 mod documents;
 mod interrupt;
 mod log;
@@ -12,14 +13,16 @@ mod options;
 mod output;
 mod progress;
 mod render;
+mod report;
 mod statistics;
+mod threads;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser as _;
 
-pub use args::{Args, Command, CompletionsArgs, LogFormat, LogLevel, ManArgs, RenderArgs};
+pub use args::{Args, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, RenderArgs};
 
 use crate::error::{Error, Result};
 
@@ -36,22 +39,26 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> std::result::Result<A
 pub fn run(args: Args) -> Result<()> {
     match args.command {
         Command::Render(args) => render::run(&args),
+        Command::Diff(args) => diff::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),
         Command::Man(args) => documents::man(args.dir.as_deref()),
     }
 }
 
-/// Tells what stopped the command, and the status to exit with: 1 failed while running, 2 wrong input, 130 interrupted.
+/// Tells what stopped the command, and the status to exit with: 1 failed while running, 2 wrong input, 3 a check said no,
+/// 130 interrupted.
 pub fn fail(error: &Error) -> ExitCode {
     log::start_if_not_yet();
     match error {
         Error::Input(problems) => problems.0.iter().for_each(|problem| tracing::error!("{problem}")),
+        Error::Check(findings) => findings.iter().for_each(|finding| tracing::error!("{finding}")),
         other => tracing::error!("{}", chain(other)),
     }
     ExitCode::from(match error {
         Error::Input(_) => 2,
         Error::Io { .. } | Error::Backend { .. } => 1,
+        Error::Check(_) => 3,
         Error::Interrupted => 130,
     })
 }

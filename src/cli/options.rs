@@ -3,10 +3,12 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use super::args::RenderArgs;
+use super::args::{DiffArgs, RenderArgs};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::film::Precision;
 use crate::image::{Format, Window, atomic};
+use crate::measure::Metric;
+use crate::measure::flip::Viewing;
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -35,7 +37,7 @@ impl RenderOptions {
     /// What those words mean; all that is wrong with them at once.
     pub(super) fn new(args: &RenderArgs) -> Result<Self> {
         let mut problems = Problems::default();
-        let outputs = outputs(args, &mut problems);
+        let outputs = outputs(rendered_paths(args), &mut problems);
         if let Some(path) = &args.stats {
             check_target(path, &mut problems);
             if outputs.iter().any(|output| output.path == *path) {
@@ -53,6 +55,100 @@ impl RenderOptions {
         };
         problems.into_result(options)
     }
+}
+
+/// What `diff` is to do.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct DiffOptions {
+    pub(super) test: PathBuf,
+    pub(super) reference: PathBuf,
+    pub(super) outputs: Vec<Output>,
+    pub(super) metric: Metric,
+    /// Above it the check says no.
+    pub(super) max_error: Option<f64>,
+    pub(super) viewing: Viewing,
+    pub(super) json: bool,
+    pub(super) threads: Option<NonZeroUsize>,
+}
+
+impl DiffOptions {
+    /// What those words mean; all that is wrong with them at once.
+    pub(super) fn new(args: &DiffArgs) -> Result<Self> {
+        let mut problems = Problems::default();
+        let inputs = [&args.test, &args.reference];
+        inputs.into_iter().for_each(|path| check_input(path, &mut problems));
+        let outputs = outputs(args.output.clone(), &mut problems);
+        for output in &outputs {
+            if inputs.into_iter().any(|input| is_same(input, &output.path)) {
+                let what = format!("`{}` is compared and would be overwritten", output.path.display());
+                problems.push(on_command_line(what).remedy("name another file for the difference"));
+            }
+        }
+        let options = Self {
+            test: args.test.clone(),
+            reference: args.reference.clone(),
+            outputs,
+            metric: args
+                .metric
+                .as_deref()
+                .and_then(|word| metric(word, &mut problems))
+                .unwrap_or(Metric::RelMse),
+            max_error: args.max_error.as_deref().and_then(|text| max_error(text, &mut problems)),
+            viewing: args.ppd.as_deref().and_then(|text| viewing(text, &mut problems)).unwrap_or_default(),
+            json: args.json,
+            threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+        };
+        problems.into_result(options)
+    }
+}
+
+fn check_input(path: &Path, problems: &mut Problems) {
+    let place = || Place::file(path);
+    if path.is_dir() {
+        problems.push(Problem::at(place(), "a directory, not a picture").remedy("name a file in it"));
+    } else if !path.exists() {
+        problems.push(Problem::at(place(), "there is no such file").remedy("check the name"));
+    }
+}
+
+/// Whether both name one file that is there.
+fn is_same(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+}
+
+fn metric(word: &str, problems: &mut Problems) -> Option<Metric> {
+    let metric = Metric::of(word);
+    if metric.is_none() {
+        let words = Metric::ALL.map(Metric::word).join(", ");
+        problems.push(
+            on_command_line(format!("`--metric {word}` is not an error that is measured"))
+                .remedy(format!("choose one of {words}")),
+        );
+    }
+    metric
+}
+
+fn max_error(text: &str, problems: &mut Problems) -> Option<f64> {
+    let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
+    if number.is_none() {
+        problems.push(
+            on_command_line(format!("`--max-error {text}` is not an error"))
+                .remedy("give a number from 0 on"),
+        );
+    }
+    number
+}
+
+fn viewing(text: &str, problems: &mut Problems) -> Option<Viewing> {
+    let number = text.trim().parse().ok().filter(|x| Viewing::RANGE.contains(x));
+    if number.is_none() {
+        let (least, most) = (Viewing::RANGE.start(), Viewing::RANGE.end());
+        problems.push(
+            on_command_line(format!("`--ppd {text}` is not a number of pixels per degree"))
+                .remedy(format!("give a number from {least} to {most}")),
+        );
+    }
+    number.map(|pixels_per_degree| Viewing { pixels_per_degree })
 }
 
 /// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
@@ -75,13 +171,16 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
 }
 
 /// The files asked for, or one of each kind named after the scene.
-fn outputs(args: &RenderArgs, problems: &mut Problems) -> Vec<Output> {
-    let paths = if args.output.is_empty() {
-        let stem = args.scene.file_stem().unwrap_or("picture".as_ref());
-        ["exr", "png"].map(|extension| with_extension(stem.as_ref(), extension)).to_vec()
-    } else {
-        args.output.clone()
-    };
+fn rendered_paths(args: &RenderArgs) -> Vec<PathBuf> {
+    if !args.output.is_empty() {
+        return args.output.clone();
+    }
+    let stem = args.scene.file_stem().unwrap_or("picture".as_ref());
+    ["exr", "png"].map(|extension| with_extension(stem.as_ref(), extension)).to_vec()
+}
+
+/// Files to write, each once.
+fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {
     let mut outputs: Vec<Output> = Vec::new();
     for path in paths {
         match Format::of(&path) {

@@ -19,6 +19,8 @@ const BAR_EVERY: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(super) struct Meter {
     start: Instant,
+    /// What is counted.
+    unit: &'static str,
     display: Display,
     /// When it was shown last.
     last: Mutex<Instant>,
@@ -33,8 +35,8 @@ enum Display {
 }
 
 impl Meter {
-    /// Starts the clock. `quiet` shows nothing.
-    pub(super) fn new(quiet: bool, interrupt: Interrupt) -> Self {
+    /// Starts the clock; `unit` is what is counted. `quiet` shows nothing.
+    pub(super) fn new(quiet: bool, unit: &'static str, interrupt: Interrupt) -> Self {
         let display = if quiet {
             Display::None
         } else if io::stderr().is_terminal() {
@@ -42,7 +44,7 @@ impl Meter {
         } else {
             Display::Lines
         };
-        Self { start: Instant::now(), display, last: Mutex::new(Instant::now()), interrupt }
+        Self { start: Instant::now(), unit, display, last: Mutex::new(Instant::now()), interrupt }
     }
 
     /// Takes the bar away.
@@ -72,7 +74,7 @@ impl Progress for Meter {
             return;
         }
         *last = Instant::now();
-        let pace = pace(done, total, self.start.elapsed());
+        let pace = pace([done, total], self.unit, self.start.elapsed());
         if let Display::Bar(bar) = &self.display {
             bar.set_length(total);
             bar.set_message(pace);
@@ -101,13 +103,13 @@ fn percent(done: u64, total: u64) -> u64 {
 
 /// Rate and remaining time, such as `1.25 Msamples/s, 1:05 left`.
 #[expect(clippy::cast_precision_loss, reason = "three digits are shown")]
-fn pace(done: u64, total: u64, elapsed: Duration) -> String {
+fn pace([done, total]: [u64; 2], unit: &str, elapsed: Duration) -> String {
     let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
     if done == 0 {
         return "starting".to_owned();
     }
     let left = Duration::try_from_secs_f64(total.saturating_sub(done) as f64 / rate).unwrap_or(Duration::MAX);
-    format!("{}samples/s, {} left", metric(rate), clock(left))
+    format!("{}{unit}/s, {} left", metric(rate), clock(left))
 }
 
 /// Three digits and a prefix.
@@ -141,10 +143,10 @@ mod tests {
 
     #[test]
     fn pace_is_rate_and_remaining_time() {
-        let text = pace(2_500_000, 10_000_000, Duration::from_secs(2));
+        let text = pace([2_500_000, 10_000_000], "samples", Duration::from_secs(2));
         assert_eq!(text, "1.25 Msamples/s, 0:06 left", "a quarter in two seconds");
-        assert_eq!(pace(0, 10, Duration::ZERO), "starting", "nothing known");
-        assert_eq!(pace(10, 10, Duration::from_secs(1)), "10.0 samples/s, 0:00 left", "done");
+        assert_eq!(pace([0, 10], "samples", Duration::ZERO), "starting", "nothing known");
+        assert_eq!(pace([10, 10], "pixels", Duration::from_secs(1)), "10.0 pixels/s, 0:00 left", "done");
     }
 
     #[test]
@@ -162,7 +164,7 @@ mod tests {
 
     #[test]
     fn a_cancelled_meter_says_so() {
-        let meter = Meter::new(true, Interrupt::default());
+        let meter = Meter::new(true, "samples", Interrupt::default());
         assert!(!meter.is_cancelled(), "nobody asked");
         assert_eq!((percent(1, 3), percent(0, 0)), (33, 100), "percent");
     }

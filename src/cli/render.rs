@@ -10,8 +10,8 @@ use super::interrupt::Interrupt;
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
 use super::statistics::{self, Times};
-use super::{log, options, output};
-use crate::error::{Error, Problem, Result};
+use super::{log, options, output, threads};
+use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
 use crate::render::{self, Phase, Rendered, Settings};
@@ -20,17 +20,17 @@ use crate::scene::{self, Scene};
 
 /// Renders a scene to files, whose names it prints.
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
-    log::start(args);
+    log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
-    limit_threads(&options);
+    threads::limit(options.threads);
 
     tracing::debug!("reading {}", options.scene.display());
     let (loaded, load) = Phase::of(|| load(&options));
     let scene = loaded?;
     interrupt.check()?;
 
-    let meter = Meter::new(args.quiet, interrupt);
+    let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = Settings { threads: options.threads, crop: options.crop };
     let rendered = render::render(&scene, &settings, &meter);
     meter.finish();
@@ -57,27 +57,13 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
     }
 }
 
-/// Files are compressed on as many threads as there are for rendering.
-fn limit_threads(options: &RenderOptions) {
-    if let Some(threads) = options.threads {
-        let limited = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build_global();
-        if let Err(error) = limited {
-            tracing::debug!("files are written on all processors: {error}");
-        }
-    }
-}
-
 /// The frozen scene; warnings are logged.
 fn load(options: &RenderOptions) -> Result<Scene> {
     let loaded = scene::load(&options.scene, &options.overrides)?;
-    warn(&loaded.warnings);
+    log::warn(&loaded.warnings);
     let built = scene::build(&loaded.description)?;
-    warn(&built.warnings);
+    log::warn(&built.warnings);
     Ok(built.scene)
-}
-
-fn warn(warnings: &[Problem]) {
-    warnings.iter().for_each(|warning| tracing::warn!("{warning}"));
 }
 
 /// Logs how it went, and what was dropped.
@@ -109,7 +95,7 @@ fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phas
         match format {
             Format::Exr => {
                 let attributes = statistics::attributes(scene, rendered, load);
-                warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
+                log::warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
             }
             Format::Png => png::write(path, &rendered.film.image(), development(scene))?,
         }
