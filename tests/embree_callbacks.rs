@@ -312,6 +312,16 @@ fn geometries_refuse_what_they_cannot_do() {
         assert_eq!(refused, Some(EmbreeError::Keys { found }), "{found} keys");
     }
     let most = Geometry::instance(&device, scene(), &keys(129)).expect("as many as can be");
+    let only = |geometry: Result<Geometry, EmbreeError>| geometry.and_then(|geometry| geometry.with_mask(1));
+    let own = || Geometry::surface(&device, UserShape::new(Shape::Surface(Arc::new(Touchy)), None));
+    let masked = only(own()).and_then(|geometry| geometry.with_filter(Arc::new(Touchy))).expect("made");
+    let mut open = Scene::new(&device, SceneOptions::default()).expect("scene");
+    open.attach(0, masked).expect("attached");
+    let committed = open.commit().expect("committed");
+    let mut ray = rays(false)[0];
+    assert!(committed.occluded(&ray), "seen");
+    ray.mask = 2;
+    assert!(!committed.occluded(&ray), "a filter leaves the mask as it was");
     let refused = most.with_filter(Arc::new(Touchy)).err();
     assert_eq!(refused, Some(EmbreeError::FilteredInstance), "a filter on an instance");
 }

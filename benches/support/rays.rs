@@ -1,5 +1,7 @@
 //! Recorded rays: those of a camera, the shadow rays from what they hit, and a diffuse bounce from there.
 
+#![allow(dead_code, reason = "each bench uses a part")]
+
 use glam::Vec3;
 use specula::accel::{Accel, RayPacket, RayStream};
 use specula::geometry::{Interaction, Ray, World};

@@ -1,13 +1,15 @@
 //! The backend: a committed scene made from a world.
 //!
 //! A placement without transform is a geometry of the outer scene; one with a transform is an instance of a scene
-//! of its shape's own, made once however often the shape is placed. Both bear the placement's number.
+//! of its shape's own, made once however often the shape is placed. Both bear the placement's number and mask; filters
+//! belong to shapes.
 
 use super::device::{Config, Device};
 use super::error::EmbreeError;
 use super::geometry::Geometry;
 use super::mesh::MeshArrays;
-use super::scene::{Committed, Scene, SceneOptions};
+use super::options::SceneOptions;
+use super::scene::{Committed, Scene};
 use super::surface::UserShape;
 use crate::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket, RayStream};
 use crate::geometry::{Hit, Mesh, Pose, Ray, Shape, ShapeId, World};
@@ -45,12 +47,18 @@ struct Builder<'a> {
 
 impl EmbreeAccel {
     /// Builds the hierarchy of `world` on all threads that `options` allow.
+    ///
+    /// # Panics
+    /// If a surface of the world does when asked for its boxes.
     pub fn build(world: &World, options: &BuildOptions) -> Result<Self, EmbreeError> {
         Self::build_with(world, options, &|_| ControlFlow::Continue(()))
     }
 
     /// As [`EmbreeAccel::build`], telling `progress` the part done of the outer scene, from 0 to 1, now and then and
     /// from several threads at a time; it stops the build by answering `Break`.
+    ///
+    /// # Panics
+    /// If `progress` does, or a surface of the world when asked for its boxes.
     pub fn build_with(
         world: &World,
         options: &BuildOptions,

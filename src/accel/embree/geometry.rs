@@ -107,20 +107,27 @@ impl Geometry {
 
     /// A shape that is asked for its own hits, from the threads that trace rays. A panic in it comes out of the query.
     pub fn surface(device: &Device, shape: UserShape) -> Result<Self, EmbreeError> {
-        let (user, count) = (shape.pointer(), shape.primitive_count());
-        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_USER, Kept::Surface(shape))?;
+        let count = shape.primitive_count();
+        let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_USER, Kept::Surface(shape.clone()))?;
         let raw = geometry.raw();
         // SAFETY: the geometry is alive, as for all calls below, and no other thread has seen it.
         unsafe { sys::rtcSetGeometryUserPrimitiveCount(raw, count) };
-        // SAFETY: `user` is what the three callbacks expect, and kept.
-        unsafe { sys::rtcSetGeometryUserData(raw, user) };
-        // SAFETY: as above.
-        unsafe { sys::rtcSetGeometryBoundsFunction(raw, Some(surface::bounds), user) };
-        // SAFETY: as above.
+        // SAFETY: the callback gets what it expects, by `ask`.
         unsafe { sys::rtcSetGeometryIntersectFunction(raw, Some(surface::intersect)) };
         // SAFETY: as above.
         unsafe { sys::rtcSetGeometryOccludedFunction(raw, Some(surface::occluded)) };
-        geometry.commit()
+        geometry.ask(shape)
+    }
+
+    /// Has the callbacks of user geometry ask `shape`.
+    fn ask(mut self, shape: UserShape) -> Result<Self, EmbreeError> {
+        let user = shape.pointer();
+        // SAFETY: the geometry is alive and not attached; `user` is what the callbacks expect, and kept.
+        unsafe { sys::rtcSetGeometryUserData(self.raw(), user) };
+        // SAFETY: as above.
+        unsafe { sys::rtcSetGeometryBoundsFunction(self.raw(), Some(surface::bounds), user) };
+        self.kept = Kept::Surface(shape);
+        self.commit()
     }
 
     /// A whole scene, moved: by one map, or through up to [`crate::math::motion::MOST_KEYS`] at equal steps from the
@@ -162,7 +169,10 @@ impl Geometry {
     pub fn with_filter(self, filter: Arc<dyn HitFilter>) -> Result<Self, EmbreeError> {
         match &self.kept {
             // Embree leaves it to user geometry to filter its hits.
-            Kept::Surface(shape) => Self::surface(&self.device, shape.clone().filtered(filter)),
+            Kept::Surface(shape) => {
+                let shape = shape.filtered(filter);
+                self.ask(shape)
+            }
             Kept::Instance(_) => Err(EmbreeError::FilteredInstance),
             Kept::Mesh(_) | Kept::Points { .. } => self.with_sieve(filter),
         }

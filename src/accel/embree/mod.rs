@@ -4,9 +4,13 @@
 //! `Scene<Open>` takes geometries and becomes, by [`Scene::commit`], a `Scene<Committed>` that answers queries and
 //! cannot change. [`EmbreeAccel`] builds a committed scene from a [`crate::geometry::World`].
 //!
+//! Meshes and instances move between up to 129 keys; masks choose who sees what. Shapes that find their own hits and
+//! filters are called back from the threads that trace rays; what they panic with comes out of the query (`guard`).
+//!
 //! What is assumed: the layouts asserted in `embree4-sys`, and what Embree's manual promises, quoted where it is
-//! relied on. Limits: one level of instancing, no motion and no user geometry; widths of packets other than 4, 8 and
-//! 16 fall to single rays. Rays that are not sound numbers are kept from Embree: some crash it (`query`).
+//! relied on. Limits: one level of instancing; boxes of surfaces hold for the whole shutter, and what has no finite box is
+//! never hit; widths of packets other than 4, 8 and 16 fall to single rays. Rays that are not sound numbers are kept from
+//! Embree: some crash it (`query`).
 //!
 //! ```
 //! use glam::Vec3;
@@ -35,6 +39,7 @@ mod geometry;
 mod guard;
 mod lanes;
 mod mesh;
+mod options;
 mod query;
 mod scene;
 mod surface;
@@ -44,5 +49,6 @@ pub use device::{Config, Device, Isa};
 pub use error::EmbreeError;
 pub use geometry::Geometry;
 pub use mesh::{MeshArrays, Vertices};
-pub use scene::{Committed, Open, Quality, Scene, SceneOptions};
+pub use options::{Quality, SceneOptions};
+pub use scene::{Committed, Open, Scene};
 pub use surface::UserShape;

@@ -4,6 +4,7 @@ use super::after::After;
 use super::device::Device;
 use super::error::EmbreeError;
 use super::geometry::Geometry;
+use super::options::SceneOptions;
 use crate::math::Aabb;
 use embree4_sys as sys;
 use glam::Vec3;
@@ -15,50 +16,6 @@ use std::ops::ControlFlow;
 use std::panic::{self, AssertUnwindSafe};
 use std::ptr::NonNull;
 use std::sync::{Mutex, PoisonError};
-
-/// How much time a build may take for the sake of faster queries.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Quality {
-    /// Fastest build (Morton codes), slower queries.
-    Low,
-    /// Binned surface area heuristic.
-    #[default]
-    Medium,
-    /// With spatial splits. Together with `robust` or `compact` Embree builds as for `Medium`.
-    High,
-}
-
-/// What a scene is built for. The default is the fastest: medium quality, nothing else.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SceneOptions {
-    /// Effort of the build.
-    pub quality: Quality,
-    /// Avoid optimisations that lose accuracy: no ray slips between neighbouring triangles; queries cost a quarter more.
-    pub robust: bool,
-    /// Half the memory; queries cost a third more.
-    pub compact: bool,
-    /// Prefer quick rebuilds after [`Scene::reopen`].
-    pub dynamic: bool,
-    /// Hold the two triangles of a face as one quad, where a mesh tells its faces: read where meshes are made.
-    pub quads: bool,
-}
-
-impl SceneOptions {
-    fn flags(self) -> sys::RTCSceneFlags {
-        let flag = |set, flag| if set { flag } else { sys::RTC_SCENE_FLAG_NONE };
-        flag(self.robust, sys::RTC_SCENE_FLAG_ROBUST)
-            | flag(self.compact, sys::RTC_SCENE_FLAG_COMPACT)
-            | flag(self.dynamic, sys::RTC_SCENE_FLAG_DYNAMIC)
-    }
-
-    fn quality(self) -> sys::RTCBuildQuality {
-        match self.quality {
-            Quality::Low => sys::RTC_BUILD_QUALITY_LOW,
-            Quality::Medium => sys::RTC_BUILD_QUALITY_MEDIUM,
-            Quality::High => sys::RTC_BUILD_QUALITY_HIGH,
-        }
-    }
-}
 
 /// State of a [`Scene`] that takes geometries and answers nothing.
 #[derive(Debug)]

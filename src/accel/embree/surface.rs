@@ -48,7 +48,7 @@ impl UserShape {
     }
 
     /// The same shape, of whose hits only those count that `filter` accepts.
-    pub(super) fn filtered(self, filter: Arc<dyn HitFilter>) -> Self {
+    pub(super) fn filtered(&self, filter: Arc<dyn HitFilter>) -> Self {
         let Asked { shape, boxes, .. } = &*self.0;
         Self(Arc::new(Asked { shape: shape.clone(), filter: Some(filter), boxes: boxes.clone() }))
     }

@@ -1,0 +1,87 @@
+//! Quads beside pairs of triangles, on files whose faces are mostly quads.
+
+use crate::support::{Bench, Race};
+use crate::{Accel as _, Recorded, race_all, record};
+use glam::Vec3;
+use specula::accel::embree::{BuildOptions, EmbreeAccel, SceneOptions};
+use specula::geometry::{Mesh, Shape, World};
+use specula::math::Aabb;
+use specula::scene::description::Normals;
+use specula::scene::load::load_obj;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Where the camera stands and what it looks at.
+pub(crate) type View = fn(Aabb) -> (Vec3, Vec3);
+
+/// From one end of a building to the other.
+pub(crate) fn inside(bounds: Aabb) -> (Vec3, Vec3) {
+    let (center, size) = (bounds.center(), bounds.size());
+    (center + size * Vec3::new(0.3, -0.2, 0.02), center - size * Vec3::new(0.3, 0.15, 0.0))
+}
+
+/// All of it.
+pub(crate) fn outside(bounds: Aabb) -> (Vec3, Vec3) {
+    let away = Vec3::new(0.4, 0.5, 1.0).normalize() * bounds.radius() * 2.0;
+    (bounds.center() + away, bounds.center())
+}
+
+/// A mesh with the faces that its file had, where the model data is.
+pub(crate) fn load(file: &str) -> Option<Mesh> {
+    let data = std::env::var_os("SPECULA_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let mesh = load_obj(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh;
+    if mesh.faces().is_some() {
+        return Some(mesh);
+    }
+    let faces = pairs(&mesh);
+    mesh.with_faces(faces).ok()
+}
+
+/// Faces as a fan of two triangles leaves them: neighbours `[a, b, c]`, `[a, c, d]`.
+fn pairs(mesh: &Mesh) -> Vec<u32> {
+    let triangles = mesh.triangles();
+    let mut faces = Vec::new();
+    let mut next = 0;
+    while next < triangles.len() {
+        let first = u32::try_from(next).expect("few triangles");
+        faces.push(first);
+        let is_pair = match triangles[next..] {
+            [[a, _, c], [d, e, _], ..] => [a, c] == [d, e] && mesh.group(first) == mesh.group(first + 1),
+            _ => false,
+        };
+        next += if is_pair { 2 } else { 1 };
+    }
+    faces
+}
+
+/// Builds and queries.
+pub(crate) fn compare(
+    bench: &mut Bench,
+    name: &str,
+    mesh: Mesh,
+    view: View,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let triangles = mesh.triangles().len();
+    let faces = mesh.faces().map_or(0, |faces| faces.len());
+    println!("{name}: {triangles} triangles, {} in quads", 2 * (triangles - faces));
+    let mut world = World::default();
+    let shape = world.add_shape(Shape::Mesh(mesh));
+    world.place(shape, None);
+    let world = Arc::new(world);
+    let build = |quads| {
+        let scene = SceneOptions { quads, ..SceneOptions::default() };
+        EmbreeAccel::build(&world, &BuildOptions { scene, ..BuildOptions::default() })
+    };
+    let (pairs, quads) = (build(false)?, build(true)?);
+    for (what, accel) in [("triangles", &pairs), ("quads", &quads)] {
+        println!("{name}: {what}: {} bytes, {} a triangle", accel.bytes(), accel.bytes() / triangles);
+    }
+    let race = Race::new(format!("{name} build"), triangles, "triangles");
+    let pass = |quads| move || build(quads).map_or(0, |accel| accel.bytes() as u64);
+    bench.run(race.with("triangles", pass(false)).with("quads", pass(true)));
+    let (eye, at) = view(world.bounds());
+    let rays: Recorded = record(&world, &pairs, eye, at, 64);
+    race_all(bench, name, &rays, &[("triangles", pairs.scene()), ("quads", quads.scene())]);
+    Ok(())
+}
