@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! files --load--> Description --build--> Scene --dispatch--> backend x integrator x sampler
-//! for every tile:  Film point -> Pinhole -> Ray -> Accel -> Hit -> Interaction -> Material -> Bsdf
+//! for every tile:  Film point -> Camera -> Ray -> Accel -> Hit -> Interaction -> Material -> Bsdf
 //!                  Light + Bsdf + Sampler -> Integrator::li -> Tile -> Film -> EXR / PNG
 //! ```
 //!

@@ -153,6 +153,10 @@ const GOOD: &[&str] = &[
     "",
     "camera = {}\nfilm = {}\nrender = {}\nmaterials = {}\nshapes = []\nlights = []\ninclude = []",
     "[camera]\ntype = 'perspective'\nfrom = [0, 1, 2.5]\nat = [0, 0, 0]\nup = [0, 1, 0]\nvfov_deg = 30",
+    "[camera]\nshutter_open_s = -1\nshutter_close_s = 0.5\nkeys = [{ time_s = 0 }, { time_s = 1, from = [0, 1, 2], \
+     at = [1, 0, 0], up = [0, 0, 1], vfov_deg = 20 }]",
+    "[materials.m]\ntype = 'mirror'\n[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\nkeys = [{ time_s = 0 }, \
+     { time_s = 1.5, transform = [{ scale = 2 }, { translate = [1, 0, 0] }] }]",
     "[film]\nwidth = 1\nheight = 65536\nfilter = 'box'\nfilter_radius = 0.5\nexposure_ev = -2\ntone = 'clip'",
     "[render]\nintegrator = 'view'\nview = 'cost'\nspp = 1\nmax_depth = 2\nmin_throughput = 0\nbackend = 'brute'\n\
      sampler = 'independent'\nglass_shadows = 'opaque'\nseed = 9223372036854775807",
@@ -190,6 +194,9 @@ const BAD: &[&str] = &[
     "[camera]\nfrom = [0, 1, '2']",
     "[camera]\ntype = 'fisheye'",
     "[camera]\nvfov = 50",
+    "[camera]\nkeys = [{ from = [0, 1, 0] }, { time_s = 1 }]",
+    "[camera]\nshutter_close_s = '1/48'",
+    "[[shapes]]\ntype = 'sphere'\nkeys = [{ time_s = 0, transform = {} }, { time_s = 1 }]",
     "[film]\nwidth = 0",
     "[film]\nwidth = 1.5",
     "[film]\nwidth = 65537",

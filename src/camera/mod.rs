@@ -1,60 +1,49 @@
 //! From a film point to a ray.
 
+mod moving;
+mod pinhole;
+mod viewpoint;
+
+pub use moving::MovingPinhole;
+pub use pinhole::Pinhole;
+pub use viewpoint::Viewpoint;
+
 use crate::geometry::Ray;
 use glam::Vec3;
 
-/// A pinhole: everything is sharp.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pinhole {
-    eye: Vec3,
-    /// To the middle of the film at unit distance.
-    forward: Vec3,
-    /// Per pixel to the right.
-    right: Vec3,
-    /// Per pixel downwards.
-    down: Vec3,
-    /// The middle of the film in pixels.
-    middle: [f32; 2],
+/// Where pictures are taken from.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Camera {
+    /// A pinhole that stays while the shutter is open.
+    Still(Pinhole),
+    /// A pinhole that moves meanwhile.
+    Moving(MovingPinhole),
 }
 
-impl Pinhole {
-    /// A camera at `eye` looking at `at`, with `vfov` radians between the bottom and the top of a film of
-    /// `width` x `height` pixels. `up` must not be parallel to the view.
+impl Camera {
+    /// The ray through a film point in pixels, from the upper left corner, at a moment of the shutter in [0, 1]; its direction
+    /// is a unit vector.
     #[must_use]
-    pub fn new([eye, at, up]: [Vec3; 3], vfov: f32, [width, height]: [u32; 2]) -> Self {
-        let forward = (at - eye).normalize();
-        let right = forward.cross(up).normalize();
-        let up = right.cross(forward);
-        let [width, height] = [width, height].map(|n| n as f32);
-        let pixel = 2.0 * (vfov * 0.5).tan() / height;
-        Self { eye, forward, right: right * pixel, down: -up * pixel, middle: [width * 0.5, height * 0.5] }
+    pub fn ray(&self, film: [f32; 2], time: f32) -> Ray {
+        let ray = match self {
+            Self::Still(camera) => camera.ray(film),
+            Self::Moving(camera) => camera.at(time).ray(film),
+        };
+        ray.at_time(time)
     }
 
-    /// The ray through a film point in pixels, from the upper left corner; its direction is a unit vector.
+    /// Where the camera stands at a moment of the shutter, in [0, 1].
     #[must_use]
-    pub fn ray(&self, [x, y]: [f32; 2]) -> Ray {
-        let d = self.forward + self.right * (x - self.middle[0]) + self.down * (y - self.middle[1]);
-        Ray::new(self.eye, d.normalize())
+    pub fn eye(&self, time: f32) -> Vec3 {
+        match self {
+            Self::Still(camera) => camera.eye(),
+            Self::Moving(camera) => camera.at(time).eye(),
+        }
     }
 
-    /// Where the camera stands.
+    /// Whether it moves while the shutter is open.
     #[must_use]
-    pub fn eye(&self) -> Vec3 {
-        self.eye
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_corners_span_the_field_of_view() {
-        let camera = Pinhole::new([Vec3::ZERO, -Vec3::Z, Vec3::Y], 1.0, [200, 100]);
-        let up = camera.ray([100.0, 0.0]).d;
-        let down = camera.ray([100.0, 100.0]).d;
-        assert!((up.angle_between(down) - 1.0).abs() < 1e-5, "vertical field of view");
-        assert!(up.y > 0.0 && camera.ray([200.0, 50.0]).d.x > 0.0, "row 0 is the top, +X is right");
-        assert!(camera.ray([100.0, 50.0]).d.abs_diff_eq(-Vec3::Z, 1e-7), "middle");
+    pub fn is_moving(&self) -> bool {
+        matches!(self, Self::Moving(_))
     }
 }

@@ -4,8 +4,9 @@ use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::film::{Film, Filter, FilterSample, Layout, SampleId, Tile};
 use crate::image::Window;
-use crate::integrator::{Counters, Integrator, Stage, Worker};
-use crate::render::{Progress, eye};
+use crate::integrator::{Counters, Integrator, Worker};
+use crate::render::Progress;
+use crate::render::eye::Eye;
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex};
 use crate::scene::Scene;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -34,7 +35,7 @@ pub(super) fn trace<A: Accel, I: Integrator>(
 ) -> Result<(Film, Counters)> {
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
-    let stage = Stage { scene, accel, eye_media: eye::media(scene, accel) };
+    let eye = Eye::new(scene, accel);
     let sums = Mutex::new((Film::new(full, plan.window, Layout::default()), Counters::default()));
     let total = plan.window.area() as u64 * u64::from(scene.render.spp);
     let done = AtomicU64::new(0);
@@ -42,7 +43,7 @@ pub(super) fn trace<A: Accel, I: Integrator>(
         let advance = |samples| {
             plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
         };
-        let (tile, counters) = plan.tile(window, &stage, integrator, &advance)?;
+        let (tile, counters) = plan.tile(window, &eye, integrator, &advance)?;
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
         sums.0.add(&tile);
         sums.1 += counters;
@@ -57,12 +58,13 @@ impl Plan<'_> {
     fn tile<A: Accel, I: Integrator>(
         &self,
         window: Window,
-        stage: &Stage<'_, A>,
+        eye: &Eye<'_, A>,
         integrator: &I,
         advance: &dyn Fn(u64),
     ) -> Result<(Tile, Counters)> {
         let mut tile = Tile::new(window, Layout::default());
         let mut worker = Worker::default();
+        let moves = self.scene.is_moving();
         for y in window.y0..window.y1 {
             for x in window.x0..window.x1 {
                 if self.progress.is_cancelled() {
@@ -72,8 +74,9 @@ impl Plan<'_> {
                     let sampler = self.sampler.start(self.seed, [x, y], index);
                     let FilterSample { offset, weight } =
                         self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
-                    let ray = self.scene.camera.ray([center(x) + offset[0], center(y) + offset[1]]);
-                    let found = integrator.li(stage, &ray, &sampler, &mut worker);
+                    let time = if moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { 0.0 };
+                    let ray = self.scene.camera.ray([center(x) + offset[0], center(y) + offset[1]], time);
+                    let found = integrator.li(&eye.stage(time), &ray, &sampler, &mut worker);
                     let color = found.color;
                     tile.add(SampleId { x, y, index }, weight, &[color.r, color.g, color.b, found.alpha]);
                 }

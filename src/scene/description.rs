@@ -121,7 +121,30 @@ tagged! {
             up: Vec3 = Vec3::Y, nonzero();
             /// Angle of view from the bottom to the top of the picture.
             vfov_deg: f32 = 50.0, unit("degrees"), above(0.0), below(180.0);
+            /// When the shutter opens: what moves is seen where it is from then on.
+            shutter_open_s: f64 = 0.0, unit("s");
+            /// When the shutter closes; at the moment it opens, nothing is blurred.
+            shutter_close_s: f64 = 0.0, unit("s");
+            /// Views at two or more moments, in the order of time: between them the camera moves on straight lines and turns
+            /// on the shorter way, before the first and after the last it stands still.
+            keys: Vec<Located<CameraKey>> = vec![];
         }
+    }
+}
+
+record! {
+    /// How a moving camera sees the scene at one moment.
+    pub struct CameraKey {
+        /// When.
+        time_s: f64, unit("s");
+        /// Where the camera stands; absent: the camera's own `from`.
+        from: Option<Vec3>, unit("m");
+        /// The point in the middle of the picture; absent: the camera's own `at`.
+        at: Option<Vec3>, unit("m");
+        /// The direction that points up in the picture; absent: the camera's own `up`.
+        up: Option<Vec3>, nonzero();
+        /// Angle of view from the bottom to the top of the picture; absent: the camera's own.
+        vfov_deg: Option<f32>, unit("degrees"), above(0.0), below(180.0);
     }
 }
 
@@ -358,16 +381,32 @@ tagged! {
 
 record! {
     /// A surface, or a prototype of one.
-    pub struct Shape {
+    pub struct Shape checked by check::shape {
         /// A name, unlike those of all other shapes.
         name: Option<Located<String>>;
         /// Name of its material; may be absent where the file of a mesh brings materials.
         material: Option<Located<String>>;
         /// Steps that carry the shape to its place, in the order written.
         transform: Vec<Located<Step>> = vec![];
+        /// Where it is carried from there at two or more moments, in the order of time; before the first and after the last
+        /// it stands still.
+        keys: Vec<Located<ShapeKey>> = vec![];
         /// Whether it is not seen itself, but only through its instances.
         hidden: bool = false;
         ..form: Form, "What it is.";
+    }
+}
+
+record! {
+    /// Where a moving shape is at one moment.
+    ///
+    /// Where the key before has steps of the same kinds in the same order, or none, each step goes from one to the other by
+    /// itself, so that an angle from 0 to 720 degrees is two turns; else the shape turns on the shorter way.
+    pub struct ShapeKey {
+        /// When.
+        time_s: f64, unit("s");
+        /// Steps that carry the shape, after its own `transform`, in the order written; all but `fit`.
+        transform: Vec<Located<Step>> = vec![];
     }
 }
 

@@ -1,6 +1,6 @@
 //! The frozen scene: what rendering reads.
 
-use crate::camera::Pinhole;
+use crate::camera::Camera;
 use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
@@ -17,7 +17,7 @@ pub struct Scene {
     /// The lights, named by [`LightId`]; every one can shine.
     pub lights: Vec<Light>,
     /// Where pictures are taken from.
-    pub camera: Pinhole,
+    pub camera: Camera,
     /// The picture.
     pub film: Film,
     /// How light is followed.
@@ -57,6 +57,12 @@ impl Scene {
     pub fn environment(&self) -> Option<(&Light, &Environment)> {
         let light = &self.lights[self.environment?.index()];
         if let Light::Environment(environment) = light { Some((light, environment)) } else { None }
+    }
+
+    /// Whether anything moves while the shutter is open, the camera included.
+    #[must_use]
+    pub fn is_moving(&self) -> bool {
+        self.camera.is_moving() || self.world.is_moving()
     }
 
     /// Whether any surface bounds a transparent medium.

@@ -10,6 +10,7 @@ pub mod load;
 pub mod needs;
 mod record;
 pub mod schema;
+mod track;
 
 pub use build::{Built, build};
 pub use description::{Description, GlassShadows};

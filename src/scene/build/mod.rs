@@ -1,24 +1,26 @@
 //! From a description to a frozen scene: files are read here, and everything a description cannot know about them is
 //! checked, all problems at once.
 //!
-//! What the scene does not need is left out: shapes that stand still in one place are moved there once instead of being
-//! instanced, lights without power are dropped, shadow rays look for glass only where there is some.
+//! What the scene does not need is left out: shapes that stand still in one place, if only while the shutter is open, are
+//! moved there once instead of being instanced, lights without power are dropped, shadow rays look for glass only where there is some.
 
+mod camera;
 mod forms;
 mod lights;
 mod materials;
 mod shapes;
+mod shutter;
 mod steps;
+mod way;
 
-use crate::camera::Pinhole;
 use crate::error::{Place, Problem, Problems, Result};
-use crate::geometry::{PlacementId, ShapeId, World};
+use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
-use crate::math::Transform;
 use crate::scene::Scene;
-use crate::scene::description::{Camera, Description, GlassShadows};
+use crate::scene::description::{Description, GlassShadows};
 use crate::scene::frozen::Surface;
+use shutter::Shutter;
 use std::sync::Arc;
 
 /// A scene, and what was odd about its files.
@@ -34,13 +36,13 @@ pub struct Built {
 
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
-    let mut builder = Builder::default();
+    let shutter = camera::shutter(&description.camera);
+    let mut builder = Builder { shutter, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
     let film = description.film.clone();
-    let Camera::Perspective { from, at, up, vfov_deg } = description.camera.value;
-    let camera = Pinhole::new([from, at, up], vfov_deg.to_radians(), [film.width, film.height]);
+    let camera = camera::camera(&description.camera, [film.width, film.height]);
     let has_glass = builder.materials.iter().any(|material| material.medium().is_some());
     let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
     let scene = Scene {
@@ -60,6 +62,7 @@ pub fn build(description: &Description) -> Result<Built> {
 /// A scene under way.
 #[derive(Debug, Default)]
 struct Builder {
+    shutter: Shutter,
     world: World,
     surfaces: Vec<Surface>,
     origins: Vec<Place>,
@@ -93,13 +96,13 @@ impl Builder {
     fn place(
         &mut self,
         shape: ShapeId,
-        transform: Option<Transform>,
+        pose: impl Into<Pose>,
         materials: Vec<MaterialId>,
         origin: &Place,
     ) -> PlacementId {
         self.surfaces.push(Surface { materials, light: None });
         self.origins.push(origin.clone());
-        self.world.place(shape, transform)
+        self.world.place(shape, pose)
     }
 }
 

@@ -1,13 +1,15 @@
 //! Shapes and their instances.
 
 use crate::error::{Error, Place, Problem};
-use crate::geometry::{Disc, PlacementId, Shape, ShapeId, Sphere};
+use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
 use crate::math::{Aabb, Transform};
+use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, steps};
-use crate::scene::description::{self, Form, Located, Normals, Step};
+use crate::scene::description::{self, Form, Located, Normals};
 use crate::scene::load::{LoadedMesh, load_obj};
+use crate::scene::track::Track;
 use glam::Affine3A;
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -24,7 +26,7 @@ struct Made {
 struct Prototype {
     shape: ShapeId,
     materials: Vec<MaterialId>,
-    place_of_own: Affine3A,
+    way: Way,
 }
 
 impl Builder {
@@ -64,19 +66,25 @@ impl Builder {
         is_prototype: bool,
     ) -> Option<Prototype> {
         let Made { shape, materials } = self.make(described)?;
-        let map = self.carried(&described.transform, &shape)?;
-        if !is_prototype && let Some(moved) = forms::moved(&shape, &map) {
+        let way = self.carried(described, &shape, Way::default())?;
+        if described.hidden {
+            let shape = self.world.add_shape(shape);
+            return Some(Prototype { shape, materials, way });
+        }
+        let placed = self.placed(&way, &shape, &described.place)?;
+        if !is_prototype
+            && let Placed::Still(map) = placed
+            && let Some(moved) = forms::moved(&shape, &map)
+        {
             let id = self.world.add_shape(moved);
             let placement = self.place(id, None, materials, &described.place);
             self.light_up(placement, &described.place);
             return None;
         }
         let id = self.world.add_shape(shape);
-        if !described.hidden {
-            let placement = self.place(id, Transform::new(map), materials.clone(), &described.place);
-            self.light_up(placement, &described.place);
-        }
-        Some(Prototype { shape: id, materials, place_of_own: map })
+        let placement = self.place(id, placed, materials.clone(), &described.place);
+        self.light_up(placement, &described.place);
+        Some(Prototype { shape: id, materials, way })
     }
 
     fn add_instance(
@@ -94,26 +102,49 @@ impl Builder {
         let root = chain.pop().and_then(|root| root.name.as_ref());
         let Some(prototype) = root.and_then(|name| prototypes.get(name.value.as_str())) else { return };
         let shape = self.world.shapes[prototype.shape.index()].clone();
-        let mut map = prototype.place_of_own;
+        let mut way = prototype.way.clone();
         for link in chain.iter().rev() {
-            let bounds = |so_far: &Affine3A| bounds_of(&shape, &(*so_far * map));
-            match steps::transform(&link.transform, bounds) {
-                Ok(own) => map = own * map,
-                Err(problem) => return self.problems.push(problem),
-            }
+            let Some(longer) = self.carried(link, &shape, way) else { return };
+            way = longer;
         }
+        let Some(placed) = self.placed(&way, &shape, &described.place) else { return };
         let own = chain.iter().find_map(|link| link.material.as_ref());
         let materials = match own.and_then(|name| self.material_named(&name.value)) {
             Some(id) => vec![id; prototype.materials.len()],
             None => prototype.materials.clone(),
         };
-        let placement = self.place(prototype.shape, Transform::new(map), materials, &described.place);
+        let placement = self.place(prototype.shape, placed, materials, &described.place);
         self.light_up(placement, &described.place);
     }
 
-    fn carried(&mut self, steps: &[Located<Step>], shape: &Shape) -> Option<Affine3A> {
-        match steps::transform(steps, |so_far| bounds_of(shape, so_far)) {
-            Ok(map) => Some(map),
+    /// The way of a shape that has come `way` already, with what its own `transform` and `keys` add.
+    fn carried(&mut self, described: &description::Shape, shape: &Shape, mut way: Way) -> Option<Way> {
+        let before = way.at_rest();
+        let map = steps::transform(&described.transform, |so_far| bounds_of(shape, &(*so_far * before)));
+        let track = if described.keys.is_empty() { Ok(None) } else { Track::new(&described.keys).map(Some) };
+        match (map, track) {
+            (Ok(map), Ok(track)) => {
+                way.carry(map);
+                track.into_iter().for_each(|track| way.follow(track));
+                Some(way)
+            }
+            (map, track) => {
+                [map.err(), track.err()]
+                    .into_iter()
+                    .flatten()
+                    .for_each(|problem| self.problems.push(problem));
+                None
+            }
+        }
+    }
+
+    /// Where a shape on its way is while the shutter is open.
+    fn placed(&mut self, way: &Way, shape: &Shape, place: &Place) -> Option<Placed> {
+        match way.during(self.shutter, shape.bounds(), place) {
+            Ok((placed, warning)) => {
+                self.warnings.extend(warning);
+                Some(placed)
+            }
             Err(problem) => {
                 self.problems.push(problem);
                 None
@@ -193,6 +224,13 @@ impl Builder {
         let Some((&first, emission)) = materials.iter().find_map(|id| Some((id, emission(id)?))) else {
             return;
         };
+        if let Pose::Moving(_) = self.world.placements[placement.index()].pose {
+            let problem =
+                Problem::at(place.clone(), "a shape that emits light moves while the shutter is open");
+            let remedy =
+                "let it stand still, close the shutter, or take its emission away and light it by a light";
+            return self.problems.push(problem.remedy(remedy));
+        }
         if materials.iter().any(|id| *id != first) {
             let what = "a mesh that emits in some of its groups only cannot be asked for light";
             let problem = Problem::at(place.clone(), what);

@@ -1,8 +1,11 @@
 //! What the keys of one table must satisfy together.
 
-use crate::scene::description::{Camera, Form, Light, Step};
+use crate::camera::Viewpoint;
+use crate::scene::description::{Camera, CameraKey, Form, Light, Shape, Step};
 use crate::scene::load::decode::Fields;
+use crate::scene::track;
 use glam::{Mat3, Vec3, Vec4};
+use std::f32::consts::PI;
 
 /// Sine of the least angle between directions that count as different. Smaller accepts frames whose axes are mostly
 /// rounding error; larger refuses views that are meant.
@@ -14,13 +17,86 @@ fn parallel(a: Vec3, b: Vec3) -> bool {
     a.cross(b).length() <= PARALLEL * a.length() * b.length()
 }
 
-/// A camera looks somewhere, and knows what is up there.
+/// A camera looks somewhere at every key, knows what is up there, and how it turns to the next; its shutter opens before it
+/// closes.
 pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
-    let Camera::Perspective { from, at, up, .. } = *camera;
+    let Camera::Perspective { from, at, up, shutter_open_s, shutter_close_s, keys, .. } = camera;
+    if let Some((key, what, remedy)) = view_fault([*from, *at, *up]) {
+        fields.problem(key, what, remedy);
+    }
+    if shutter_close_s < shutter_open_s {
+        let what =
+            format!("`shutter_close_s` is {shutter_close_s}, before the shutter opens at {shutter_open_s}");
+        let remedy = "give a later moment, or the same one for a picture of one moment";
+        fields.problem("shutter_close_s", what, remedy);
+    }
+    times(keys, |key| key.time_s, fields);
+    if !fields.is_whole("keys", keys) {
+        return;
+    }
+    let view = |key: &CameraKey| [key.from.unwrap_or(*from), key.at.unwrap_or(*at), key.up.unwrap_or(*up)];
+    for (i, key) in keys.iter().enumerate() {
+        if let Some((name, what, remedy)) = view_fault(view(key)) {
+            fields.problem_in(("keys", i, name), what, remedy);
+        }
+    }
+    let turned = |key: &CameraKey| Viewpoint::new(view(key), 1.0).rotation;
+    for (i, pair) in keys.windows(2).enumerate() {
+        let sound = pair.iter().all(|key| view_fault(view(key)).is_none());
+        if sound && PI - turned(&pair[0]).angle_between(turned(&pair[1])) < UNDECIDED {
+            let what =
+                "the camera is turned by half a turn from the key before, and which way round is not said";
+            fields.problem_in(("keys", i + 1, "at"), what, "add a key in between");
+        }
+    }
+}
+
+/// What is wrong with where a camera stands, where it looks and what is up: the key that says so, and what to do.
+fn view_fault([from, at, up]: [Vec3; 3]) -> Option<(&'static str, &'static str, &'static str)> {
     if from == at {
-        fields.problem("at", "`at` is where the camera stands", "give another point to look at");
-    } else if parallel(at - from, up) {
-        fields.problem("up", "`up` points along the view", "give another direction");
+        return Some(("at", "`at` is where the camera stands", "give another point to look at"));
+    }
+    parallel(at - from, up).then_some(("up", "`up` points along the view", "give another direction"))
+}
+
+/// The least angle that the turn of a camera may lack of half a turn: less, and rounding chooses the way round.
+const UNDECIDED: f32 = 1e-3;
+
+/// The keys of a shape lead from one to the next.
+pub(crate) fn shape(shape: &Shape, fields: &mut Fields<'_>) {
+    let keys = &shape.keys;
+    times(keys, |key| key.time_s, fields);
+    if !fields.is_whole("keys", keys) {
+        return;
+    }
+    let single = keys.iter().map(|key| track::fault_of_one(key)).enumerate();
+    let between = keys.windows(2).map(|pair| match pair {
+        [from, to] if [from, to].iter().all(|key| track::fault_of_one(key).is_none()) => {
+            track::fault(from, to)
+        }
+        _ => None,
+    });
+    for (i, fault) in single.chain((1..).zip(between)) {
+        if let Some((what, remedy)) = fault {
+            fields.problem_in(("keys", i, "transform"), what, remedy);
+        }
+    }
+}
+
+/// Keys are none, or two or more in the order of time.
+fn times<T>(keys: &[T], time_s: impl Fn(&T) -> f64, fields: &mut Fields<'_>) {
+    if !fields.is_whole("keys", keys) {
+        return;
+    }
+    if keys.len() == 1 {
+        fields.problem("keys", track::ONE.0, track::ONE.1);
+    }
+    for (i, pair) in keys.windows(2).enumerate() {
+        let [before, here] = [&pair[0], &pair[1]].map(&time_s);
+        if here <= before {
+            let what = format!("`time_s` is {here}, not after {before} of the key before");
+            fields.problem_in(("keys", i + 1, "time_s"), what, "put the keys in the order of time");
+        }
     }
 }
 

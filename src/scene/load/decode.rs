@@ -95,6 +95,24 @@ impl Fields<'_> {
         self.report.error(&spot, what, remedy);
     }
 
+    /// Reports that the value behind `key` in item `index` of the list `list` is not good among the others.
+    pub(crate) fn problem_in(
+        &mut self,
+        (list, index, key): (&str, usize, &str),
+        what: impl Into<String>,
+        remedy: impl Into<String>,
+    ) {
+        let item = self.node.get(list).and_then(Node::items).and_then(|items| items.get(index));
+        let node = item.map(|item| item.get(key).unwrap_or(item)).unwrap_or(self.node);
+        let spot = node.spot.clone();
+        self.report.error(&spot, what, remedy);
+    }
+
+    /// Whether every item of a list could be decoded, so that it can be asked how they go together.
+    pub(crate) fn is_whole<T>(&self, list: &str, decoded: &[T]) -> bool {
+        self.node.get(list).and_then(Node::items).is_none_or(|items| items.len() == decoded.len())
+    }
+
     fn spot(&self, key: &str) -> &Spot {
         self.node.get(key).map_or(&self.node.spot, |node| &node.spot)
     }

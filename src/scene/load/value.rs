@@ -51,6 +51,33 @@ impl Value for f32 {
     }
 }
 
+/// Moments, which may be far from zero and yet close to each other.
+impl Value for f64 {
+    fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
+        let value = match node.content {
+            Content::Integer(value) => value as Self,
+            Content::Float(value) => value,
+            _ => return mismatch(node, key, node.kind(), rules, report),
+        };
+        if value.is_finite() && rules.allow(value) {
+            return Some(value);
+        }
+        mismatch(node, key, &value.to_string(), rules, report)
+    }
+
+    fn expects(rules: &Rules) -> String {
+        f32::expects(rules)
+    }
+
+    fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
+        f32::schema(rules, definitions)
+    }
+
+    fn to_json(&self) -> Json {
+        Json::from(*self)
+    }
+}
+
 macro_rules! integer {
     ($Integer:ty) => {
         impl Value for $Integer {

@@ -39,11 +39,13 @@ pub enum Capability {
     AreaLights,
     /// Light from infinity.
     Environment,
+    /// A camera that moves while the shutter is open.
+    MovingCamera,
 }
 
 impl Capability {
-    /// All of them: shapes first, then materials, then lights.
-    pub const ALL: [Self; 18] = [
+    /// All of them: shapes first, then materials, then lights, then the camera.
+    pub const ALL: [Self; 19] = [
         Self::Triangles,
         Self::Quads,
         Self::Spheres,
@@ -62,6 +64,7 @@ impl Capability {
         Self::PointLights,
         Self::AreaLights,
         Self::Environment,
+        Self::MovingCamera,
     ];
 
     /// Its name.
@@ -124,6 +127,9 @@ impl Capability {
             Self::PointLights => ["point lights", "a shadow ray each", "none"],
             Self::AreaLights => {
                 ["area lights", "a shadow ray each, two random numbers", "no points drawn on lights"]
+            }
+            Self::MovingCamera => {
+                ["moving camera", "a viewpoint between keys for every sample", "one viewpoint"]
             }
             Self::Environment => ["environment", "a table of directions", "rays that leave see nothing"],
         }

@@ -59,6 +59,7 @@ impl Needs {
         count.shapes(scene, origins);
         count.materials(scene, origins);
         count.lights(scene, origins);
+        count.add(Capability::MovingCamera, usize::from(scene.camera.is_moving()), None);
         let meshes = scene.world.shapes.iter().filter_map(|shape| match shape {
             Shape::Mesh(mesh) => Some(mesh.bytes()),
             _ => None,

@@ -30,7 +30,7 @@ pub(super) fn of(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
     warnings.extend(scale(bounds));
     warnings.extend(position(bounds));
     warnings.extend(mixed(scene, bounds, origins));
-    warnings.extend(camera(scene.camera.eye(), bounds));
+    warnings.extend(camera(scene.camera.eye(0.0), bounds));
     warnings
 }
 
