@@ -24,6 +24,8 @@ pub struct Args {
 pub enum Command {
     /// Render a scene to EXR and PNG
     Render(Box<RenderArgs>),
+    /// Tell what a scene contains and requires, without rendering it
+    Plan(Box<PlanArgs>),
     /// Measure how far a picture is from its reference
     Diff(Box<DiffArgs>),
     /// Print the JSON Schema of the scene file
@@ -107,6 +109,30 @@ pub struct RenderArgs {
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+
+    #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
+    #[command(flatten)]
+    pub log: LogArgs,
+}
+
+/// What to plan.
+#[derive(Clone, Debug, clap::Args)]
+pub struct PlanArgs {
+    /// The scene file (TOML)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+
+    /// What finds hits
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
+    pub backend: Option<String>,
+
+    /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
+    #[arg(short = 'D', value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+
+    /// Print one JSON document instead of tables
+    #[arg(long)]
+    pub json: bool,
 
     #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
     #[command(flatten)]

@@ -11,6 +11,7 @@ mod interrupt;
 mod log;
 mod options;
 mod output;
+mod plan;
 mod progress;
 mod render;
 mod report;
@@ -22,7 +23,9 @@ use std::process::ExitCode;
 
 use clap::Parser as _;
 
-pub use args::{Args, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, RenderArgs};
+pub use args::{
+    Args, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs, RenderArgs,
+};
 
 use crate::error::{Error, Result};
 
@@ -39,6 +42,7 @@ pub fn parse(words: impl IntoIterator<Item = OsString>) -> std::result::Result<A
 pub fn run(args: Args) -> Result<()> {
     match args.command {
         Command::Render(args) => render::run(&args),
+        Command::Plan(args) => plan::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),

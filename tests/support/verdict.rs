@@ -4,6 +4,8 @@
 //! judged by itself: the point it names must lie on the primitive it names and on the ray, and what it passed over
 //! must have been met within rounding of its boundary. Otherwise it is wrong.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use glam::Vec3;
 use specula::accel::{Accel, Brute};
 use specula::geometry::{Hit, Ray, Shape, ShapeHit, World};

@@ -67,6 +67,10 @@ impl Capability {
         Self::MovingCamera,
     ];
 
+    /// The kinds of geometry among them.
+    pub const GEOMETRIES: [Self; 5] =
+        [Self::Triangles, Self::Quads, Self::Spheres, Self::Discs, Self::Surfaces];
+
     /// Its name.
     #[must_use]
     pub fn name(self) -> &'static str {

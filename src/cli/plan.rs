@@ -1,0 +1,149 @@
+//! The command `plan`: what a scene contains and requires, without rendering it.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json};
+
+use super::args::PlanArgs;
+use super::{log, output};
+use crate::error::{Problem, Result};
+use crate::scene::needs::capability::Capability;
+use crate::scene::needs::{Need, Needs, length};
+use crate::scene::{self, Built, Scene};
+
+/// Prints the plan of a scene.
+pub(super) fn run(args: &PlanArgs) -> Result<()> {
+    log::start(&args.log);
+    let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
+    let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
+    let loaded = scene::load(&args.scene, &overrides)?;
+    let Built { scene, origins, warnings } = scene::build(&loaded.description)?;
+    let needs = Needs::of(&scene, &origins);
+    let warnings: Vec<&Problem> = loaded.warnings.iter().chain(&warnings).chain(&needs.warnings).collect();
+    let name = args.scene.display().to_string();
+    let text = if args.json {
+        format!("{:#}\n", to_json(&name, &scene, &needs, &warnings))
+    } else {
+        to_text(&name, &scene, &needs, &warnings)
+    };
+    output::print(text.as_bytes())
+}
+
+/// Where rays come from, seen from the scene.
+fn camera_distance(scene: &Scene, needs: &Needs) -> f32 {
+    (scene.camera.eye(0.0) - needs.bounds.center()).length()
+}
+
+/// What of Embree, or of what stands for it, the scene makes use of.
+fn backend_use(scene: &Scene, needs: &Needs) -> Vec<String> {
+    let has = |capability| needs.count(capability) > 0;
+    let kinds: Vec<&str> =
+        Capability::GEOMETRIES.into_iter().filter(|&kind| has(kind)).map(Capability::name).collect();
+    let kinds = if kinds.is_empty() { "nothing to hit".to_owned() } else { kinds.join(", ") };
+    let levels = if has(Capability::Instances) || has(Capability::MovingPoses) { 2 } else { 1 };
+    let is_moving = has(Capability::MovingPoses) || has(Capability::MovingVertices);
+    vec![
+        format!("{}: {kinds}", scene.render.backend.word()),
+        format!("{levels} level{} of hierarchy", if levels == 1 { "" } else { "s" }),
+        if is_moving { "motion: rays carry a moment" } else { "one moment" }.to_owned(),
+        if has(Capability::CutOuts) { "filter functions" } else { "no filter functions" }.to_owned(),
+        if has(Capability::Masks) { "masks" } else { "no masks" }.to_owned(),
+    ]
+}
+
+fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> String {
+    let mut text = String::new();
+    let mut line = |key: &str, value: &str| _ = writeln!(text, "{key:<11}{value}");
+    line("scene", name);
+    let size = needs.bounds.size().to_array().map(length);
+    let center = needs.bounds.center();
+    if !needs.bounds.is_empty() {
+        line("extent", &format!("{} about ({}, {}, {})", size.join(" x "), center.x, center.y, center.z));
+        line("camera", &format!("{} from the middle", length(camera_distance(scene, needs))));
+    }
+    let contents = [
+        counted(needs.placements, "placement"),
+        counted(needs.shapes, "shape"),
+        counted(needs.primitives, "primitive"),
+        counted(needs.materials, "material"),
+        counted(needs.lights, "light"),
+    ];
+    line("contents", &contents.join(", "));
+    if needs.mesh_bytes > 0 {
+        line("meshes", &format!("{} bytes", needs.mesh_bytes));
+    }
+    let film = &scene.film;
+    line(
+        "picture",
+        &format!(
+            "{} x {}, {} per pixel",
+            film.width,
+            film.height,
+            counted(scene.render.spp as usize, "sample")
+        ),
+    );
+    line("backend", &backend_use(scene, needs).join("; "));
+    let (required, left_out): (Vec<&Need>, Vec<&Need>) =
+        needs.capabilities.iter().partition(|need| need.count > 0);
+    text += &table(&required, &left_out);
+    if !warnings.is_empty() {
+        text += "\nwarnings\n";
+        warnings.iter().for_each(|warning| _ = writeln!(text, "  {warning}"));
+    }
+    text
+}
+
+/// What is required, and what is left out.
+fn table(required: &[&Need], left_out: &[&Need]) -> String {
+    let origin = |need: &Need| need.first.as_ref().map_or_else(|| "-".to_owned(), ToString::to_string);
+    let width = required.iter().map(|need| origin(need).chars().count()).max().unwrap_or(0).max(14);
+    let mut text = format!("\n{:<22}{:>10}  {:<width$}  takes\n", "required", "count", "first asked by");
+    for need in required {
+        let Need { capability, count, .. } = need;
+        let (origin, takes) = (origin(need), capability.takes());
+        let _ = writeln!(text, "  {:<20}{count:>10}  {origin:<width$}  {takes}", capability.name());
+    }
+    text += "\nleft out\n";
+    for Need { capability, .. } in left_out {
+        let _ = writeln!(text, "  {:<20}{}", capability.name(), capability.spares());
+    }
+    text
+}
+
+fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> Value {
+    let capability = |need: &Need| {
+        let what = if need.count > 0 { need.capability.takes() } else { need.capability.spares() };
+        json!({
+            "name": need.capability.name(),
+            "needed": need.count > 0,
+            "count": need.count,
+            "first": need.first.as_ref().map(ToString::to_string),
+            "means": what,
+        })
+    };
+    let bounds = (!needs.bounds.is_empty())
+        .then(|| json!({ "min": needs.bounds.min.to_array(), "max": needs.bounds.max.to_array() }));
+    json!({
+        "scene": name,
+        "bounds_m": bounds,
+        "camera_distance_m": camera_distance(scene, needs),
+        "placements": needs.placements,
+        "shapes": needs.shapes,
+        "primitives": needs.primitives,
+        "materials": needs.materials,
+        "lights": needs.lights,
+        "mesh_bytes": needs.mesh_bytes,
+        "width": scene.film.width,
+        "height": scene.film.height,
+        "spp": scene.render.spp,
+        "integrator": scene.render.integrator.word(),
+        "backend": { "name": scene.render.backend.word(), "uses": backend_use(scene, needs) },
+        "capabilities": needs.capabilities.iter().map(capability).collect::<Vec<_>>(),
+        "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+    })
+}
+
+/// A number of things.
+fn counted(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
