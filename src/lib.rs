@@ -27,7 +27,8 @@
 //! # Ok::<(), specula::accel::embree::EmbreeError>(())
 //! ```
 //!
-//! Whoever wants pictures goes on to [`scene::load()`], [`scene::build()`] and [`render::render`].
+//! Whoever wants pictures goes on to [`scene::load()`], [`scene::build()`] and [`render::render`]; whoever wants to know
+//! how good they are, to [`measure::Comparison`].
 
 pub mod accel;
 pub mod bsdf;

@@ -167,6 +167,23 @@ fn png_against_png_is_compared_as_displays_show_them() {
 }
 
 #[test]
+fn radiance_pictures_are_scene_light() {
+    let place = Place::new();
+    // Two pixels of (0.5, 1, 1.5) and black: mantissas over 256, times 2 to the exponent less 128.
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n".to_vec();
+    bytes.extend([64, 128, 192, 129, 0, 0, 0, 0]);
+    fs::write(place.path("c.hdr"), bytes).expect("written");
+    let image = Image::from_pixels(2, 1, vec![Rgb::new(0.5, 1.0, 1.5), Rgb::BLACK]).expect("two pixels");
+    place.write("c", &image);
+    let found = place.json(&["c.hdr", "c.exr", "--max-error", "0"]);
+    assert_eq!(
+        (&found["viewing"]["range"], number(&found, "/flip").to_bits()),
+        (&"scene".into(), 0),
+        "{found}"
+    );
+}
+
+#[test]
 fn a_check_says_no_with_status_3_after_the_numbers() {
     let place = Place::new();
     for (metric, limit) in [("mse", "0.25"), ("rmse", "0.5"), ("relmse", "0.3"), ("flip", "0.1")] {
@@ -292,7 +309,7 @@ fn wrong_input_ends_with_status_2_says_what_to_do_and_leaves_the_old_file() {
         (&["small.png", "b.png"], &["`small.png` has 12 by 16 pixels, `b.png` has 24 by 16 pixels; "]),
         (
             &["a.png", "b.exr"],
-            &["`a.png` what a display shows, `b.exr` holds light of a scene; ", "compare two"],
+            &["`a.png` holds what a display shows, `b.exr` holds light of a scene; ", "compare two"],
         ),
         (&["a.exr", "b.exr", "--max-error", "-1"], &["--max-error -1", "from 0 on"]),
         (&["a.exr", "b.exr", "--max-error", "nan"], &["--max-error nan"]),

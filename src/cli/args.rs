@@ -110,7 +110,7 @@ pub struct RenderArgs {
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
 
-    #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
+    /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
 }
@@ -186,7 +186,7 @@ pub struct DiffArgs {
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
 
-    #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
+    /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
 }

@@ -105,7 +105,7 @@ fn check(test: &Decoded, reference: &Decoded, [a, b]: [&str; 2]) -> Result<()> {
     if test.range != reference.range {
         let [a, b] = [(a, test.range), (b, reference.range)].map(|(name, range)| match range {
             Range::Scene => format!("`{name}` holds light of a scene"),
-            Range::Display => format!("`{name}` what a display shows"),
+            Range::Display => format!("`{name}` holds what a display shows"),
         });
         let remedy =
             "a preview has lost what exposure and tone curve did; compare two .exr or .hdr, or two .png";
@@ -174,7 +174,7 @@ mod tests {
         assert!(windows.contains("pixels 1,0,7,1, `b.exr` holds the pixels 0,0,6,1; "), "{windows}");
         let ranges = message(&shown, &plain);
         assert!(
-            ranges.contains("`a.exr` what a display shows, `b.exr` holds light of a scene; "),
+            ranges.contains("`a.exr` holds what a display shows, `b.exr` holds light of a scene; "),
             "{ranges}"
         );
         assert!(Pair::new(moved.clone(), moved, ["a", "b"]).is_ok(), "the same crop");
