@@ -5,11 +5,13 @@
 //! that a packet or a stream is faster. All kinds of query give the same answers but for ties on shared edges.
 
 pub mod brute;
+pub mod bvh;
 pub mod embree;
 pub mod packet;
 pub mod stream;
 
 pub use brute::Brute;
+pub use bvh::{Bvh2Accel, CwBvhAccel};
 pub use packet::{Active, HitPacket, Packet, RayPacket};
 pub use stream::{HitStream, RayStream};
 

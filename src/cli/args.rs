@@ -293,7 +293,7 @@ mod tests {
         let Command::Render(args) = args.command else { panic!("another command") };
         assert_eq!(args.backend.as_deref(), Some("abacus"), "kept for the check of the scene");
         let help = Args::try_parse_from(["specula", "render", "-h"]).expect_err("help").to_string();
-        assert!(help.contains("[possible values: embree, brute]"), "{help}");
+        assert!(help.contains("[possible values: embree, bvh2, cwbvh, brute]"), "{help}");
     }
 
     #[test]

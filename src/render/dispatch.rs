@@ -1,5 +1,6 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
+use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
 use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
 use crate::accel::{Accel, Brute};
 use crate::error::{Error, Problem, Result};
@@ -48,6 +49,8 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
             rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
             (rendered, build)
         }
+        description::Backend::Bvh2 => hierarchy::<Binary>(&plan, &pool)?,
+        description::Backend::CwBvh => hierarchy::<Wide>(&plan, &pool)?,
         description::Backend::Brute => {
             let (accel, build) = Phase::of(|| Brute::new(scene.world.clone()));
             let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
@@ -69,6 +72,20 @@ fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<Embr
         EmbreeError::Cancelled => Error::Interrupted,
         other => Error::Backend { backend: "embree", what: other.to_string() },
     })
+}
+
+/// Builds a hierarchy on the threads that then trace.
+fn hierarchy<H: Hierarchy>(plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<(Rendered, Phase)> {
+    let go_on =
+        |_| if plan.progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let (accel, build) = Phase::of(|| {
+        pool.install(|| BvhAccel::<H>::build_with(&plan.scene.world, &Options::default(), &go_on))
+    });
+    let accel = accel.ok_or(Error::Interrupted)?;
+    let mut rendered = pool.install(|| with_accel(plan, &accel))?;
+    rendered.statistics.backend = format!("{} (obvhs {})", H::NAME, bvh::VERSION);
+    accel.isa().clone_into(&mut rendered.statistics.isa);
+    Ok((rendered, build))
 }
 
 fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {

@@ -260,6 +260,10 @@ choice! {
     pub enum Backend {
         /// Intel Embree 4.
         "embree" => Embree,
+        /// A binary hierarchy of obvhs.
+        "bvh2" => Bvh2,
+        /// An eight-wide hierarchy of obvhs with compressed boxes.
+        "cwbvh" => CwBvh,
         /// Every primitive is tested against every ray: slow, for checking the others.
         "brute" => Brute,
     }

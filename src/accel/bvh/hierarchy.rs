@@ -1,0 +1,192 @@
+//! What is asked of a hierarchy, and the two kinds that obvhs builds.
+
+use super::{Preset, Way};
+use glam::UVec2;
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::cwbvh::CwBvh;
+use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
+use obvhs::cwbvh::node::CwBvhNode;
+use obvhs::faststack::StackStack;
+use obvhs::ploc::PlocBuilder;
+use obvhs::ray::{Ray, RayHit};
+use std::fmt::{self, Debug};
+
+/// Padded boxes in a frame, and which thing each belongs to.
+#[derive(Debug)]
+pub struct Boxes {
+    /// At least two, none of them empty.
+    pub boxes: Vec<Aabb>,
+    /// Whose they are, by number.
+    pub owners: Vec<u32>,
+    /// Whether somebody owns more than one.
+    pub split: bool,
+}
+
+/// A tree of boxes, each of which is at a place in a row that the tree orders.
+pub trait Hierarchy: Debug + Send + Sized + Sync {
+    /// The name of the backend that stands on it.
+    const NAME: &'static str;
+
+    /// The tree, and the owners of the boxes in its order.
+    fn build(boxes: Boxes, preset: Preset) -> (Self, Vec<u32>);
+
+    /// Visits the places whose boxes are on a way, nearer ones first as far as possible; a visit tells where the way ends
+    /// from now on, or infinity if that changes nothing.
+    fn closest(&self, way: &Way, visit: impl FnMut(usize) -> f32);
+
+    /// Whether a visit to a place whose box is on the way says yes; none follows.
+    fn any(&self, way: &Way, visit: impl FnMut(usize) -> bool) -> bool;
+
+    /// Bytes of the nodes.
+    fn bytes(&self) -> usize;
+}
+
+/// A binary tree with boxes in single precision.
+pub struct Binary(Bvh2);
+
+/// A tree of eight children a node, whose boxes are quantised to eight bits a side.
+#[derive(Debug)]
+pub struct Wide(CwBvh);
+
+impl Debug for Binary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Binary")
+            .field("nodes", &self.0.nodes.len())
+            .field("depth", &self.0.max_depth)
+            .finish()
+    }
+}
+
+impl Hierarchy for Binary {
+    const NAME: &'static str = "bvh2";
+
+    fn build(boxes: Boxes, preset: Preset) -> (Self, Vec<u32>) {
+        let params = preset.params();
+        let mut tree = binary(boxes, &params);
+        let mut optimizer = ReinsertionOptimizer::default();
+        optimizer.run(&mut tree, params.reinsertion_batch_ratio, None);
+        collapse(&mut tree, params.max_prims_per_leaf, params.collapse_traversal_cost);
+        let again = params.reinsertion_batch_ratio * params.post_collapse_reinsertion_batch_ratio_multiplier;
+        optimizer.run(&mut tree, again, None);
+        // What obvhs notes is the depth before nodes moved, and its stack panics when it is full.
+        tree.max_depth = tree.depth(0);
+        tree.parents = Vec::new();
+        let order = std::mem::take(&mut tree.primitive_indices);
+        (Self(tree), order)
+    }
+
+    #[inline(always)]
+    fn closest(&self, way: &Way, mut visit: impl FnMut(usize) -> f32) {
+        self.0.ray_traverse(ray(way), &mut RayHit::none(), |_, index| visit(index));
+    }
+
+    #[inline(always)]
+    fn any(&self, way: &Way, mut visit: impl FnMut(usize) -> bool) -> bool {
+        let free =
+            self.0.ray_traverse_miss(
+                ray(way),
+                |_, index| {
+                    if visit(index) { f32::NEG_INFINITY } else { f32::INFINITY }
+                },
+            );
+        !free
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.0.nodes.as_slice())
+    }
+}
+
+impl Hierarchy for Wide {
+    const NAME: &'static str = "cwbvh";
+
+    fn build(boxes: Boxes, preset: Preset) -> (Self, Vec<u32>) {
+        let params = preset.params();
+        let mut tree = binary(boxes, &params);
+        ReinsertionOptimizer::default().run(&mut tree, params.reinsertion_batch_ratio, None);
+        let mut wide = bvh2_to_cwbvh(&tree, params.max_prims_per_leaf.clamp(1, 3), true, false);
+        wide.nodes.shrink_to_fit();
+        let order = std::mem::take(&mut wide.primitive_indices);
+        (Self(wide), order)
+    }
+
+    #[inline(always)]
+    fn closest(&self, way: &Way, mut visit: impl FnMut(usize) -> f32) {
+        let mut ray = ray(way);
+        let mut state = Traversal::new(&self.0, &ray);
+        let mut node: &CwBvhNode;
+        obvhs::traverse!(self.0, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            ray.tmax = ray.tmax.min(visit(state.primitive_id as usize));
+        });
+    }
+
+    #[inline(always)]
+    fn any(&self, way: &Way, mut visit: impl FnMut(usize) -> bool) -> bool {
+        let ray = ray(way);
+        let mut state = Traversal::new(&self.0, &ray);
+        let mut node: &CwBvhNode;
+        obvhs::traverse!(self.0, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+            if visit(state.primitive_id as usize) {
+                return true;
+            }
+        });
+        false
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.0.nodes.as_slice())
+    }
+}
+
+/// The binary tree that both start from.
+fn binary(boxes: Boxes, params: &BvhBuildParams) -> Bvh2 {
+    let Boxes { boxes, owners, split } = boxes;
+    let mut tree = PlocBuilder::with_capacity(boxes.len()).build(
+        params.ploc_search_distance,
+        &boxes,
+        owners,
+        params.sort_precision,
+        params.search_depth_threshold,
+    );
+    tree.uses_spatial_splits = split;
+    tree
+}
+
+#[inline(always)]
+fn ray(way: &Way) -> Ray {
+    // Of the direction obvhs wants the signs; those of zeros must be those of their inverses.
+    Ray { origin: way.o, direction: way.inv, inv_direction: way.inv, tmin: 0.0, tmax: way.end }
+}
+
+/// Where a traversal of a wide tree stands. As obvhs' own, with room for deeper trees.
+struct Traversal {
+    stack: StackStack<UVec2, WIDE_STACK>,
+    current_group: UVec2,
+    primitive_group: UVec2,
+    oct_inv4: u32,
+    primitive_id: u32,
+    hitmask: u32,
+}
+
+/// Levels of the deepest wide tree.
+const WIDE_STACK: usize = 64;
+
+impl Traversal {
+    #[inline(always)]
+    fn new(tree: &CwBvh, ray: &Ray) -> Self {
+        let obvhs::cwbvh::Traversal { current_group, primitive_group, oct_inv4, .. } =
+            tree.new_traversal(ray.direction);
+        Self {
+            stack: StackStack::default(),
+            current_group,
+            primitive_group,
+            oct_inv4,
+            primitive_id: 0,
+            hitmask: 0,
+        }
+    }
+}
