@@ -8,6 +8,7 @@ mod random;
 #[path = "support/surfaces.rs"]
 mod surfaces;
 #[path = "support/verdict.rs"]
+#[allow(dead_code, clippy::cast_possible_truncation, reason = "other tests use more of it")]
 mod verdict;
 
 use glam::Vec3;

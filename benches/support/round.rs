@@ -102,10 +102,10 @@ fn of_kind(
     let eye = Vec3::new(0.9, 1.1, 2.4);
     let rays = record(&world, &own_each, eye, Vec3::splat(0.5), 48);
     let contestants = [
-        ("own, one geometry each", own_each.scene()),
-        ("user, one geometry each", user_each.scene()),
-        ("own, all in one", own),
-        ("user, all in one", &user),
+        ("own each", own_each.scene()),
+        ("user each", user_each.scene()),
+        ("own in one", own),
+        ("user in one", &user),
     ];
     race_all(bench, name, &rays, &contestants);
     Ok(())

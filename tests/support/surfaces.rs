@@ -51,8 +51,8 @@ impl Surface for Ellipsoids {
         #[expect(clippy::cast_possible_truncation, reason = "rounded")]
         let t = [-b - root, -b + root].map(|t| (t / a) as f32);
         let t = t.into_iter().find(|t| (ray.t_min..=ray.t_max).contains(t))?;
-        let n = self.normal(prim, ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t));
-        Some(ShapeHit { t, u: n.x as f32, v: n.y as f32, ng: n.as_vec3() })
+        let n = self.normal(prim, ray.o.as_dvec3() + ray.d.as_dvec3() * f64::from(t)).as_vec3();
+        Some(ShapeHit { t, u: n.x, v: n.y, ng: n })
     }
 
     fn point(&self, prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {

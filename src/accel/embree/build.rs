@@ -78,7 +78,7 @@ impl EmbreeAccel {
                 Pose::World => builder.geometry(placement.shape)?,
                 pose => {
                     let inner = builder.inner_scene(placement.shape)?;
-                    Geometry::instance(&builder.device, inner, &pose.keys())?
+                    Geometry::instance(&builder.device, inner, pose)?
                 }
             };
             outer.attach(number, geometry.with_mask(placement.mask)?)?;

@@ -1,6 +1,5 @@
 //! What can go wrong, and how Embree's own reports reach us.
 
-use crate::math::motion::MOST_KEYS;
 use embree4_sys as sys;
 use std::ffi::{CStr, c_char, c_void};
 use std::sync::{Mutex, PoisonError};
@@ -34,12 +33,6 @@ pub enum EmbreeError {
     /// A filter on an instance.
     #[error("instances take no filter: give it to the shape that is placed")]
     FilteredInstance,
-    /// No key at all, or more than [`crate::math::motion::MOST_KEYS`].
-    #[error("{found} keys of motion, but there can be from 1 to {MOST_KEYS}")]
-    Keys {
-        /// How many there are.
-        found: usize,
-    },
     /// Objects of two devices put together.
     #[error("objects of different embree devices cannot be combined")]
     OtherDevice,

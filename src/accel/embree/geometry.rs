@@ -8,10 +8,8 @@ use super::filter::{self, Sieve};
 use super::mesh::{MeshArrays, Primitives, Vertices};
 use super::scene::{Committed, Scene};
 use super::surface::{self, UserShape};
-use crate::geometry::{Disc, HitFilter, Sphere};
-use crate::math::motion::MOST_KEYS;
+use crate::geometry::{Disc, HitFilter, Pose, Sphere};
 use embree4_sys as sys;
-use glam::Affine3A;
 use std::ffi::c_void;
 use std::ptr::NonNull;
 use std::sync::Arc;
@@ -82,7 +80,7 @@ impl Geometry {
             }
         };
         let geometry = Self::new(device, kind, Kept::Mesh(arrays))?;
-        geometry.set_key_count(keys.len())?;
+        geometry.set_key_count(keys.len());
         for (key, view) in (0..).zip(keys) {
             // SAFETY: the positions are owned by `kept`, stay where they are, and are padded.
             unsafe { geometry.share(sys::RTC_BUFFER_TYPE_VERTEX, key, view) };
@@ -130,13 +128,8 @@ impl Geometry {
         self.commit()
     }
 
-    /// A whole scene, moved: by one map, or through up to [`crate::math::motion::MOST_KEYS`] at equal steps from the
-    /// opening of the shutter to its closing. The scene may be shared by many instances but have none itself.
-    pub fn instance(
-        device: &Device,
-        scene: Arc<Scene<Committed>>,
-        keys: &[Affine3A],
-    ) -> Result<Self, EmbreeError> {
+    /// A whole scene, placed; its pose may move. The scene may be shared by many instances but have none itself.
+    pub fn instance(device: &Device, scene: Arc<Scene<Committed>>, pose: &Pose) -> Result<Self, EmbreeError> {
         if !scene.device().is(device) {
             return Err(EmbreeError::OtherDevice);
         }
@@ -145,11 +138,12 @@ impl Geometry {
         }
         let raw_scene = scene.raw();
         let geometry = Self::new(device, sys::RTC_GEOMETRY_TYPE_INSTANCE, Kept::Instance(scene))?;
-        geometry.set_key_count(keys.len())?;
+        let keys = pose.keys();
+        geometry.set_key_count(keys.len());
         // SAFETY: both objects are of this device; the scene is committed and kept.
         unsafe { sys::rtcSetGeometryInstancedScene(geometry.raw(), raw_scene) };
         let format = sys::RTC_FORMAT_FLOAT3X4_COLUMN_MAJOR;
-        for (step, key) in (0..).zip(keys) {
+        for (step, key) in (0..).zip(&*keys) {
             let matrix = key.to_cols_array();
             // SAFETY: the format is that of the twelve numbers, which are copied during the call.
             unsafe { sys::rtcSetGeometryTransform(geometry.raw(), step, format, matrix.as_ptr().cast()) };
@@ -260,12 +254,10 @@ impl Geometry {
     }
 
     /// At how many moments of the shutter it is given.
-    fn set_key_count(&self, found: usize) -> Result<(), EmbreeError> {
-        let count = u32::try_from(found).ok().filter(|count| (1..=MOST_KEYS).contains(&(*count as usize)));
-        let count = count.ok_or(EmbreeError::Keys { found })?;
+    fn set_key_count(&self, count: usize) {
+        let count = u32::try_from(count).expect("meshes and motions have no more keys than Embree takes");
         // SAFETY: the geometry is alive and not yet committed.
         unsafe { sys::rtcSetGeometryTimeStepCount(self.raw(), count) };
-        Ok(())
     }
 
     /// Hands an array to Embree, at a moment of the shutter where it is one of several.

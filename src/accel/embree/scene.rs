@@ -231,7 +231,7 @@ impl Monitor<'_> {
 mod tests {
     use super::*;
     use crate::accel::embree::{Config, Vertices};
-    use crate::geometry::{Ray, Sphere};
+    use crate::geometry::{Pose, Ray, Sphere};
     use std::sync::Arc;
 
     fn device() -> Device {
@@ -307,23 +307,22 @@ mod tests {
         let (one, other) = (device(), device());
         assert_eq!(open(&one).attach(0, sphere(&other, 0.0)), Err(EmbreeError::OtherDevice), "attached");
         let inner = Arc::new(open(&one).commit().expect("commit"));
-        let instance = Geometry::instance(&other, inner, &[glam::Affine3A::IDENTITY]);
+        let instance = Geometry::instance(&other, inner, &Pose::World);
         assert_eq!(instance.err(), Some(EmbreeError::OtherDevice), "instanced");
     }
 
     #[test]
     fn instances_do_not_nest() {
         let device = device();
-        let identity = [glam::Affine3A::IDENTITY];
         let mut inner = open(&device);
         inner.attach(0, sphere(&device, 0.0)).expect("attach");
         let inner = Arc::new(inner.commit().expect("commit"));
         let mut outer = open(&device);
-        outer.attach(7, Geometry::instance(&device, inner, &identity).expect("instance")).expect("attach");
+        outer.attach(7, Geometry::instance(&device, inner, &Pose::World).expect("instance")).expect("attach");
         let outer = outer.commit().expect("commit");
         let hit = outer.intersect(&Ray::new(-Vec3::X * 3.0, Vec3::X)).expect("hit");
         assert_eq!(hit.placement.0, 7, "named by the instance");
-        let twice = Geometry::instance(&device, Arc::new(outer), &identity);
+        let twice = Geometry::instance(&device, Arc::new(outer), &Pose::World);
         assert_eq!(twice.err(), Some(EmbreeError::NestedInstance), "nested");
     }
 
