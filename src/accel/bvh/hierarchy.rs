@@ -6,14 +6,16 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::leaf_collapser::collapse;
+use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::bvh2_to_cwbvh::bvh2_to_cwbvh;
 use obvhs::cwbvh::node::CwBvhNode;
-use obvhs::faststack::StackStack;
+use obvhs::faststack::{FastStack, HeapStack, StackStack};
 use obvhs::ploc::PlocBuilder;
-use obvhs::ray::{Ray, RayHit};
+use obvhs::ray::Ray;
 use std::fmt::{self, Debug};
+use std::ops::ControlFlow;
 
 /// Padded boxes in a frame, and which thing each belongs to.
 #[derive(Debug)]
@@ -81,24 +83,102 @@ impl Hierarchy for Binary {
 
     #[inline(always)]
     fn closest(&self, way: &Way, mut visit: impl FnMut(usize) -> f32) {
-        self.0.ray_traverse(ray(way), &mut RayHit::none(), |_, index| visit(index));
+        let _ = self.walk(
+            way,
+            #[inline(always)]
+            |place| ControlFlow::Continue(visit(place)),
+        );
     }
 
     #[inline(always)]
     fn any(&self, way: &Way, mut visit: impl FnMut(usize) -> bool) -> bool {
-        let free =
-            self.0.ray_traverse_miss(
-                ray(way),
-                |_, index| {
-                    if visit(index) { f32::NEG_INFINITY } else { f32::INFINITY }
-                },
-            );
-        !free
+        let walked = self.walk(
+            way,
+            #[inline(always)]
+            |place| if visit(place) { ControlFlow::Break(()) } else { ControlFlow::Continue(f32::INFINITY) },
+        );
+        walked.is_break()
     }
 
     fn bytes(&self) -> usize {
         size_of_val(self.0.nodes.as_slice())
     }
+}
+
+/// A part of a binary tree that a way meets later.
+#[derive(Clone, Copy, Default)]
+struct Later {
+    first: u32,
+    count: u32,
+    /// Where the way enters it.
+    t: f32,
+}
+
+/// Levels of a binary tree that are kept track of without memory of their own.
+const BINARY_STACK: usize = 64;
+
+impl Binary {
+    /// Visits the places on a way until a visit breaks off; else it tells where the way ends.
+    ///
+    /// As obvhs' own traversal, but for two things: what was put off is dropped where a hit has come to lie before it, and
+    /// there is one place that visits leaves.
+    #[inline(always)]
+    fn walk(&self, way: &Way, visit: impl FnMut(usize) -> ControlFlow<(), f32>) -> ControlFlow<()> {
+        if self.0.max_depth <= BINARY_STACK {
+            self.walk_with(way, &mut StackStack::<Later, BINARY_STACK>::default(), visit)
+        } else {
+            self.walk_with(way, &mut HeapStack::<Later>::new_with_capacity(self.0.max_depth), visit)
+        }
+    }
+
+    #[inline(always)]
+    fn walk_with(
+        &self,
+        way: &Way,
+        stack: &mut impl FastStack<Later>,
+        mut visit: impl FnMut(usize) -> ControlFlow<(), f32>,
+    ) -> ControlFlow<()> {
+        let nodes = self.0.nodes.as_slice();
+        let mut end = way.end;
+        let part = |node: &Bvh2Node, t: f32| Later { first: node.first_index, count: node.prim_count, t };
+        // The way was found by entering the root.
+        let mut next = part(&nodes[0], 0.0);
+        loop {
+            let first = next.first as usize;
+            if next.count > 0 {
+                for place in first..first + next.count as usize {
+                    end = end.min(visit(place)?);
+                }
+            } else if let [left, right, ..] = &nodes[first..] {
+                let (to_left, to_right) = (entry(left.aabb(), way, end), entry(right.aabb(), way, end));
+                let swap = to_right < to_left;
+                let (near, far) = if swap { (right, left) } else { (left, right) };
+                let (to_near, to_far) = if swap { (to_right, to_left) } else { (to_left, to_right) };
+                if to_far < f32::INFINITY {
+                    stack.push(part(far, to_far));
+                }
+                if to_near < f32::INFINITY {
+                    next = part(near, to_near);
+                    continue;
+                }
+            }
+            next = loop {
+                match stack.pop() {
+                    None => return ControlFlow::Continue(()),
+                    Some(later) if later.t <= end => break later,
+                    Some(_) => {}
+                }
+            };
+        }
+    }
+}
+
+/// Where a way enters a box, before `end`; infinity if it does not.
+#[inline(always)]
+fn entry(aabb: &Aabb, way: &Way, end: f32) -> f32 {
+    let (a, b) = ((aabb.min - way.o) * way.inv, (aabb.max - way.o) * way.inv);
+    let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
+    if near <= far && far >= 0.0 && near <= end { near } else { f32::INFINITY }
 }
 
 impl Hierarchy for Wide {

@@ -1,4 +1,35 @@
-//! Hierarchies of obvhs: `bvh2`, binary, and `cwbvh`, eight wide with compressed boxes.
+//! Hierarchies of obvhs: `bvh2`, binary, and `cwbvh`, eight wide with boxes quantised to eight bits a side (Ylitie, Karras,
+//! Laine 2017, Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs).
+//!
+//! A second opinion beside Embree, in plain Rust. The same scenes, the same answers: meshes that stand still or move between
+//! keys, spheres, discs, surfaces that find their own hits, instances that stand or move, masks and filters; any hit stops at
+//! the first that counts. All still meshes that are placed once in world coordinates share one hierarchy, so that a plain
+//! scene pays for no outer one; every other shape of several primitives has one of its own, however often it is placed, and
+//! an outer one holds the placements. What moves is boxed over the whole shutter: fast things cost time, not hits.
+//!
+//! **No hit is lost** that the test of its primitive finds. obvhs as it comes loses some: of 1.39 million hits of rays aimed at
+//! edges, along faces, with a zero in their direction and from afar, at worlds of all sizes, its `bvh2` lost 61 710 and its
+//! `cwbvh` 165 989 (half of all axis-parallel ones: a direction of -0 swaps near and far; all in a world of 10^-6: its
+//! smallest parameter is 10^-4). In frames of our own 18 063 and 37 358 are left, by rounding alone, and none
+//! where boxes are padded (`frame`); `tests/bvh_lost.rs` counts them. Rays at the edges of a closed mesh: none of a
+//! million gets out.
+//!
+//! Limits: packets and streams are traced ray by ray; a build can be stopped between shapes only.
+//!
+//! ```
+//! use glam::Vec3;
+//! use specula::accel::bvh::Options;
+//! use specula::accel::{Accel, Bvh2Accel};
+//! use specula::geometry::{Ray, Shape, Sphere, World};
+//! use std::sync::Arc;
+//!
+//! let mut world = World::default();
+//! let ball = world.add_shape(Shape::Sphere(Sphere { center: Vec3::Z * 5.0, radius: 1.0 }));
+//! world.place(ball, None);
+//! let accel = Bvh2Accel::build(&Arc::new(world), &Options::default());
+//! let hit = accel.intersect(&Ray::new(Vec3::ZERO, Vec3::Z)).expect("straight ahead");
+//! assert!((hit.t - 4.0).abs() < 1e-5);
+//! ```
 
 mod build;
 mod frame;
@@ -100,7 +131,11 @@ impl<H: Hierarchy> BvhAccel<H> {
             if way.start() * longest > FAR * size {
                 return self.search_from_near::<ANY>(ray, search.nearest, way.start());
             }
-            tree.search::<ANY>(&way, |place| search.visit::<ANY>(self.outer.order[place]));
+            tree.search::<ANY>(
+                &way,
+                #[inline(always)]
+                |place| search.visit::<ANY>(self.outer.order[place]),
+            );
         }
         search.nearest
     }

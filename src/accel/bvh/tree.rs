@@ -60,9 +60,17 @@ impl<H: Hierarchy> Tree<H> {
     #[inline(always)]
     pub(super) fn search<const ANY: bool>(&self, way: &Way, mut visit: impl FnMut(usize) -> Option<f32>) {
         if ANY {
-            self.hierarchy.any(way, |place| visit(place).is_some());
+            self.hierarchy.any(
+                way,
+                #[inline(always)]
+                |place| visit(place).is_some(),
+            );
         } else {
-            self.hierarchy.closest(way, |place| visit(place).map_or(f32::INFINITY, |t| way.local(t)));
+            self.hierarchy.closest(
+                way,
+                #[inline(always)]
+                |place| visit(place).map_or(f32::INFINITY, |t| way.local(t)),
+            );
         }
     }
 

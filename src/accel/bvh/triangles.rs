@@ -99,20 +99,24 @@ impl<H: Hierarchy> Triangles<H> {
         let (key, part) = motion::step(if self.keys > 1 { ray.time } else { 0.0 }, self.keys);
         let mut nearest: Option<Found> = None;
         let mut t_max = ray.t_max;
-        self.tree.search::<ANY>(&way, |place| {
-            let met = self.at(place, key, part, &shear)?;
-            let t = way.t(met.t);
-            if !(t >= ray.t_min && t <= t_max) {
-                return None;
-            }
-            let found = Found { place, t, met };
-            if self.is_guarded && !self.counts(world, ray, placement, &found) {
-                return None;
-            }
-            t_max = t;
-            nearest = Some(found);
-            Some(t)
-        });
+        self.tree.search::<ANY>(
+            &way,
+            #[inline(always)]
+            |place| {
+                let met = self.at(place, key, part, &shear)?;
+                let t = way.t(met.t);
+                if !(t >= ray.t_min && t <= t_max) {
+                    return None;
+                }
+                let found = Found { place, t, met };
+                if self.is_guarded && !self.counts(world, ray, placement, &found) {
+                    return None;
+                }
+                t_max = t;
+                nearest = Some(found);
+                Some(t)
+            },
+        );
         let found = nearest?;
         let ShapeHit { t, u, v, ng } = self.shape_hit(&found, key, part);
         Some(Hit {
