@@ -19,6 +19,10 @@ const EXACT_BOUND: f64 = 3e-6;
 /// pixel the formulas give 0.5850741, that program 0.5851094.)
 const BOUNDS: [f64; 2] = [4e-5, 2e-4];
 
+/// What pixels of two instruction sets are held to: where the feature error is the root of a rounding error, both are off by
+/// up to 3e-4. Their means are held to `EXACT_BOUND`.
+const LANES_BOUND: f64 = 1e-3;
+
 type Light = fn(u32, u32, u32) -> f64;
 
 /// A picture of reference and a test, and what the authors' program says of them.
@@ -358,7 +362,9 @@ fn all_instruction_sets_see_the_same() {
         for level in Level::available() {
             let found = errors(&case, level);
             let off = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            assert!(off < BOUNDS[1], "{} at {}: off by {off}", case.name, level.name());
+            assert!(off < LANES_BOUND, "{} at {}: off by {off}", case.name, level.name());
+            let off = (mean(&found) - mean(&wanted)).abs();
+            assert!(off < EXACT_BOUND, "{} at {}: mean off by {off}", case.name, level.name());
         }
     }
 }

@@ -3,7 +3,7 @@
 //! Bytes are encoded by sRGB, whatever a file says of gamma or colour profiles; a gamma that differs is told.
 
 use std::fs::File;
-use std::io::{self, BufReader};
+use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
@@ -44,6 +44,8 @@ pub fn read(path: &Path) -> Result<Decoded> {
     };
     let file = File::open(path).map_err(io)?;
     let bytes = file.metadata().map_err(io)?.len();
+    let gamma = stated_gamma(&mut BufReader::new(&file)).unwrap_or(None);
+    (&file).rewind().map_err(io)?;
     let decoder = PngDecoder::new(BufReader::new(file)).map_err(refused)?;
     let (width, height) = decoder.dimensions();
     check_size(path, width.into(), height.into())?;
@@ -51,7 +53,6 @@ pub fn read(path: &Path) -> Result<Decoded> {
         let what = "its header claims more pixels than its bytes can hold";
         return Err(Problem::at(Place::file(path), what).remedy("write it again").into());
     }
-    let gamma = decoder.gamma_value().map_err(refused)?;
     let has_alpha = decoder.color_type().has_alpha();
     let picture = DynamicImage::from_decoder(decoder).map_err(refused)?.into_rgba16();
     let light = light();
@@ -71,6 +72,32 @@ pub fn read(path: &Path) -> Result<Decoded> {
 /// The light of each of 65536 levels. Eight bits are exactly every 257th.
 fn light() -> Vec<f32> {
     (0..=u16::MAX).map(|level| linear_from_srgb(f32::from(level) / 65535.0)).collect()
+}
+
+/// The gamma that a file states before its pixels, unless it also says that it is sRGB. The decoder keeps it to itself.
+fn stated_gamma(file: &mut (impl Read + Seek)) -> io::Result<Option<f64>> {
+    const SIGNATURE_BYTES: u64 = 8;
+    const CHECKSUM_BYTES: i64 = 4;
+    file.seek(SeekFrom::Start(SIGNATURE_BYTES))?;
+    let mut gamma = None;
+    loop {
+        let (mut length, mut kind) = ([0; 4], [0; 4]);
+        file.read_exact(&mut length)?;
+        file.read_exact(&mut kind)?;
+        let mut left = i64::from(u32::from_be_bytes(length));
+        match &kind {
+            b"gAMA" if left == 4 => {
+                let mut value = [0; 4];
+                file.read_exact(&mut value)?;
+                gamma = Some(f64::from(u32::from_be_bytes(value)) / 1e5);
+                left = 0;
+            }
+            b"sRGB" => return Ok(None),
+            b"IDAT" | b"IEND" => return Ok(gamma),
+            _ => {}
+        }
+        file.seek(SeekFrom::Current(left + CHECKSUM_BYTES))?;
+    }
 }
 
 /// That a file's gamma is not the 1/2.2 which stands for sRGB.
