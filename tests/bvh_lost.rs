@@ -6,12 +6,11 @@
 
 #![expect(clippy::print_stdout, reason = "tables of what was found")]
 
-#[path = "support/bvh_worlds.rs"]
-#[allow(dead_code, reason = "other tests use the rest")]
-mod bvh_worlds;
 #[path = "support/rays.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod rays;
+#[path = "support/worlds.rs"]
+mod worlds;
 
 use glam::{Vec3, Vec3A};
 use obvhs::BvhBuildParams;
@@ -20,10 +19,10 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::ray::RayHit;
 use obvhs::triangle::Triangle;
 use rayon::prelude::*;
-use rays::Rng;
+use rays::{Part, Rng};
 use specula::accel::Accel;
 use specula::accel::bvh::{Binary, BvhAccel, Hierarchy, Options, Wide};
-use specula::geometry::{Ray, Shape, World, intersect_triangle};
+use specula::geometry::{Pose, Ray, Shape, World, intersect_triangle};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -43,7 +42,7 @@ const KINDS: [Kind; 5] = [Kind::Edge, Kind::InFace, Kind::OneZero, Kind::Far, Ki
 fn ray(kind: Kind, world: &World, corners: &[Vec3], rng: &mut Rng) -> Ray {
     let bounds = world.bounds();
     let o = bounds.center() + rng.cube() * bounds.size().max(Vec3::splat(bounds.radius() * 0.1)) * 0.75;
-    let target = rays::edge_point(world, rng);
+    let target = rays::surface_point(world, rng, 0.0, Part::Edge).0;
     match kind {
         Kind::Edge => Ray::new(o, target - o),
         Kind::InFace => {
@@ -121,10 +120,16 @@ fn lost(rays: &[Ray], wanted: &[Option<f32>], found: &Nearest<'_>) -> usize {
     rays.par_iter().zip(wanted).filter(|&pair| is_lost(pair)).count()
 }
 
+/// Whether a world is of meshes that stay where they are given, seen by all rays.
+fn is_plain(world: &World) -> bool {
+    let plain = |shape: &Shape| matches!(shape, Shape::Mesh(mesh) if mesh.key_count() == 1);
+    let seen = world.placements.iter().all(|p| p.pose == Pose::World && p.mask == u32::MAX);
+    seen && world.filters.is_empty() && world.shapes.iter().all(plain)
+}
+
 #[test]
 fn no_hit_is_lost_by_boxes() {
-    let mut worlds = bvh_worlds::still();
-    worlds.push(("closed", rays::closed()));
+    let worlds = worlds::worlds().into_iter().filter(|(_, world)| is_plain(world));
     let names = ["bvh2 raw", "cwbvh raw", "bvh2 0", "bvh2 1/8", "bvh2 1", "cwbvh 0", "cwbvh 1/8", "cwbvh 1"];
     println!("{:14} {:9} {:>7} {:>7}  lost by {names:?}", "world", "rays", "count", "hit");
     let mut totals = [0; 8];

@@ -1,8 +1,11 @@
 //! Every way of asking a backend, and the backends that there are.
 
 use crate::rays::Rng;
+use specula::accel::bvh::Options;
 use specula::accel::embree::{BuildOptions, Config, EmbreeAccel, Isa, Quality, SceneOptions};
-use specula::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket, RayStream};
+use specula::accel::{
+    Accel, Active, Bvh2Accel, Coherence, CwBvhAccel, HitStream, Packet, RayPacket, RayStream,
+};
 use specula::geometry::{Hit, Ray, World};
 use specula::math::Aabb;
 use std::sync::Arc;
@@ -41,6 +44,9 @@ pub(crate) fn backends(world: &Arc<World>) -> Vec<Backend> {
         embree("embree sse2", Some(Isa::Sse2), fast),
         embree("embree sse2 robust", Some(Isa::Sse2), robust),
         embree("embree avx robust", Some(Isa::Avx), robust),
+        embree("embree quads", None, SceneOptions { quads: true, ..fast }),
+        Backend::new("bvh2", Bvh2Accel::build(world, &Options::default())),
+        Backend::new("cwbvh", CwBvhAccel::build(world, &Options::default())),
     ]
 }
 

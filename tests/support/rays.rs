@@ -79,7 +79,8 @@ impl Aim {
     fn ray(self, world: &World, rng: &mut Rng) -> Ray {
         let bounds = world.bounds();
         let (center, radius) = (bounds.center(), bounds.radius());
-        let o = center + rng.cube() * bounds.size() * 0.75;
+        // Flat worlds are looked at from outside too.
+        let o = center + rng.cube() * bounds.size().max(Vec3::splat(radius * 0.2)) * 0.75;
         let time = rng.unit();
         let far = |rng: &mut Rng, times: f32| {
             let o = center + rng.direction() * radius * times;

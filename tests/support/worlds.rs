@@ -1,5 +1,7 @@
 //! Worlds for tests of backends: every kind of shape and placement, still and moving, huge, tiny and far away.
 
+#![allow(dead_code, reason = "each test program uses a part")]
+
 use crate::rays::Rng;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use specula::geometry::{
@@ -25,6 +27,11 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("remote", displaced(Vec3::new(1e6, -7e5, 3e5), 100.0)),
         ("tiny", displaced(Vec3::ZERO, 1e-6)),
         ("huge", displaced(Vec3::ZERO, 1e6)),
+        ("boxes", boxes()),
+        ("plane", of_mesh(grid(16))),
+        ("one", of_mesh(Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]).expect("good"))),
+        ("overlapping", overlapping()),
+        ("mixed", mixed()),
     ]
 }
 
@@ -167,11 +174,80 @@ fn filtered() -> World {
 
 /// The bumpy sphere elsewhere and of another size.
 fn displaced(at: Vec3, size: f32) -> World {
+    of_mesh(displaced_mesh(at, size))
+}
+
+fn displaced_mesh(at: Vec3, size: f32) -> Mesh {
     let mesh = bumpy(24, 16);
     let positions = mesh.positions().iter().map(|p| *p * size + at).collect();
+    Mesh::new(positions, mesh.triangles().to_vec()).expect("good")
+}
+
+fn of_mesh(mesh: Mesh) -> World {
     let mut world = World::default();
-    let mesh = Mesh::new(positions, mesh.triangles().to_vec()).expect("good");
     add(&mut world, Shape::Mesh(mesh), Pose::World);
+    world
+}
+
+/// Cubes in rows, whose faces are flat boxes and lie in common planes.
+fn boxes() -> World {
+    let mut world = World::default();
+    for i in 0..27_u16 {
+        let at = Vec3::new(f32::from(i % 3), f32::from(i / 3 % 3), f32::from(i / 9)) * 0.5 - 0.75;
+        let size = if i % 2 == 0 { 0.5 } else { 0.25 };
+        let shape = world.add_shape(Shape::Mesh(cube(at, size)));
+        world.place(shape, None);
+    }
+    world
+}
+
+fn cube(at: Vec3, size: f32) -> Mesh {
+    let corner = |i: u8| Vec3::new(f32::from(i & 1), f32::from(i >> 1 & 1), f32::from(i >> 2)) * size + at;
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    Mesh::new((0..8).map(corner).collect(), triangles).expect("good")
+}
+
+/// A square in the plane y = 0.3.
+fn grid(cells: u16) -> Mesh {
+    let row = u32::from(cells) + 1;
+    let at = |i: u32| (i as f32 / f32::from(cells)) * 2.0 - 1.0;
+    let positions = (0..row * row).map(|i| Vec3::new(at(i % row), 0.3, at(i / row))).collect();
+    let first = (0..u32::from(cells)).flat_map(|j| (0..u32::from(cells)).map(move |i| j * row + i));
+    let triangles = first.flat_map(|i| [[i, i + row, i + 1], [i + 1, i + row, i + row + 1]]).collect();
+    Mesh::new(positions, triangles).expect("good")
+}
+
+/// The same triangles several times, and larger ones in their plane.
+fn overlapping() -> World {
+    let corners = [Vec3::new(-1.0, 0.0, -1.0), Vec3::X, Vec3::new(0.5, 0.0, 1.0), Vec3::new(-1.0, 0.0, 1.0)];
+    let triangles = [[0, 1, 2], [0, 2, 3], [1, 2, 3]].repeat(20);
+    of_mesh(Mesh::new(corners.to_vec(), triangles).expect("good"))
+}
+
+/// A small thing on a large plane.
+fn mixed() -> World {
+    let mut world = of_mesh(displaced_mesh(Vec3::new(3.0, 0.01, -2.0), 0.01));
+    let plane = [
+        Vec3::new(-1e3, 0.0, -1e3),
+        Vec3::new(1e3, 0.0, -1e3),
+        Vec3::new(1e3, 0.0, 1e3),
+        Vec3::new(-1e3, 0.0, 1e3),
+    ];
+    let shape =
+        world.add_shape(Shape::Mesh(Mesh::new(plane.to_vec(), vec![[0, 1, 2], [0, 2, 3]]).expect("good")));
+    world.place(shape, None);
+    world
+}
+
+/// Small meshes by the thousand.
+pub(crate) fn many(count: usize) -> World {
+    let mut rng = Rng::new(21);
+    let mut world = World::default();
+    let shape = world.add_shape(Shape::Mesh(cube(Vec3::splat(-0.5), 1.0)));
+    for _ in 0..count {
+        world.place(shape, random_map(&mut rng, 0.005, 0.02));
+    }
     world
 }
 
@@ -312,6 +388,34 @@ impl Surface for Ellipsoids {
         let p_error = (ball.center.abs() + ball.axes) * 1e-6;
         SurfacePoint::smooth(p, p_error, ball.normal(p).normalize(), Vec2::ZERO)
     }
+}
+
+/// The plane y = -2, without end.
+#[derive(Debug)]
+struct Ground;
+
+impl Surface for Ground {
+    fn primitive_bounds(&self, _prim: u32) -> Aabb {
+        let far = Vec3::new(f32::INFINITY, 0.0, f32::INFINITY);
+        Aabb { min: -far - Vec3::Y * 2.0, max: far - Vec3::Y * 2.0 }
+    }
+
+    fn intersect(&self, _prim: u32, ray: &Ray) -> Option<ShapeHit> {
+        let t = (-2.0 - ray.o.y) / ray.d.y;
+        (t >= ray.t_min && t <= ray.t_max).then_some(ShapeHit { t, u: 0.0, v: 0.0, ng: Vec3::Y })
+    }
+
+    fn point(&self, _prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
+        let p = ray.at(hit.t).with_y(-2.0);
+        SurfacePoint::smooth(p, Vec3::splat(1e-6), Vec3::Y, Vec2::ZERO)
+    }
+}
+
+/// A world with something infinite in it; rays cannot be aimed by its bounds.
+pub(crate) fn grounded() -> World {
+    let mut world = surfaces();
+    add(&mut world, Shape::Surface(Arc::new(Ground)), Pose::World);
+    world
 }
 
 /// Which hits count.
