@@ -7,6 +7,7 @@ pub mod lanes;
 pub mod motion;
 pub mod polar;
 pub mod rgb;
+pub mod roots;
 pub mod transform;
 pub mod vec3;
 
