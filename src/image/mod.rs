@@ -6,6 +6,7 @@
 pub mod atomic;
 mod buffer;
 pub mod exr;
+mod gray;
 mod hdr;
 pub mod png;
 pub mod tone;
@@ -13,6 +14,7 @@ pub mod tone;
 use std::path::Path;
 
 pub use buffer::{Image, Window};
+pub use gray::{Gray, read_gray};
 
 use crate::error::{Place, Problem, Result};
 

@@ -1,0 +1,150 @@
+//! Pictures of one number per pixel, such as heights; reading only.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use image::codecs::png::PngDecoder;
+use image::{DynamicImage, ImageDecoder as _, ImageError};
+
+use super::buffer::check_size;
+use super::exr::Picture;
+use super::{exr, extension, hdr};
+use crate::error::{Error, Place, Problem, Result};
+
+/// One number per pixel, by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gray {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// From 0 for black to 1 for white in a PNG, whose numbers are taken as they are, without a tone curve; any number in
+    /// EXR and HDR files, those of an EXR not even checked to be finite.
+    pub values: Vec<f32>,
+}
+
+/// The numbers in a `.png`, `.exr` or `.hdr` file. Colours are refused, unless they are grays; coverage is ignored.
+pub fn read_gray(path: &Path) -> Result<Gray> {
+    let (width, height, values) = match extension(path).as_str() {
+        "png" => from_png(path)?,
+        "exr" => from_exr(exr::read(path)?),
+        "hdr" => {
+            let image = hdr::read(path)?.image;
+            let values = image.pixels().iter().map(|p| gray([p.r, p.g, p.b])).collect();
+            (image.width(), image.height(), values)
+        }
+        _ => {
+            let problem = Problem::at(Place::file(path), "not a picture that can be read");
+            return Err(problem.remedy("use a .png, .exr or .hdr file").into());
+        }
+    };
+    let values: Option<Vec<f32>> = values;
+    let Some(values) = values else {
+        let problem =
+            Problem::at(Place::file(path), "a colour picture, where one number per pixel is needed");
+        return Err(problem.remedy("save it in shades of gray").into());
+    };
+    Ok(Gray { width, height, values })
+}
+
+/// Width, height and numbers; none of these where there are colours.
+type Numbers = (u32, u32, Option<Vec<f32>>);
+
+fn gray([r, g, b]: [f32; 3]) -> Option<f32> {
+    let same = r.to_bits() == g.to_bits() && g.to_bits() == b.to_bits();
+    same.then_some(r)
+}
+
+fn from_png(path: &Path) -> Result<Numbers> {
+    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let refused = |error: ImageError| match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => io(source),
+        other => Problem::at(Place::file(path), format!("not a sound PNG picture: {other}"))
+            .remedy("write it again, or convert it to .exr")
+            .into(),
+    };
+    let file = BufReader::new(File::open(path).map_err(io)?);
+    let decoder = PngDecoder::new(file).map_err(refused)?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, width.into(), height.into())?;
+    // 16 bits hold what 8 bits say exactly, as 257 times as much.
+    let picture = DynamicImage::from_decoder(decoder).map_err(refused)?.into_rgb16();
+    let values = picture.pixels().map(|p| gray(p.0.map(|x| f32::from(x) / 65535.0))).collect();
+    Ok((width, height, values))
+}
+
+/// R, G and B if they are the same; else Y; else the only channel there is, whatever its name.
+fn from_exr(picture: Picture) -> Numbers {
+    let channel = |name: &str| picture.channel(name).map(exr::Samples::to_f32);
+    let values = match (channel("R"), channel("G"), channel("B")) {
+        (Some(r), Some(g), Some(b)) => {
+            r.into_iter().zip(g).zip(b).map(|((r, g), b)| gray([r, g, b])).collect()
+        }
+        _ => channel("Y").or_else(|| match picture.channels.as_slice() {
+            [only] => Some(only.samples.to_f32()),
+            _ => None,
+        }),
+    };
+    (picture.window.width(), picture.window.height(), values)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::Window;
+    use crate::image::exr::{Channel, Samples};
+    use image::{ImageBuffer, Luma, Rgb};
+
+    fn saved(picture: &DynamicImage) -> Result<Gray> {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.png");
+        picture.save(&path).expect("written");
+        read_gray(&path)
+    }
+
+    #[test]
+    fn png_files_of_both_depths_keep_every_bit() {
+        let deep = ImageBuffer::from_fn(3, 2, |x, y| Luma([u16::try_from(x * 1000 + y).expect("small")]));
+        let read = saved(&DynamicImage::ImageLuma16(deep)).expect("read");
+        assert_eq!((read.width, read.height), (3, 2), "size");
+        let expected: Vec<f32> = [0.0, 1000.0, 2000.0, 1.0, 1001.0, 2001.0].map(|x| x / 65535.0).to_vec();
+        assert_eq!(read.values, expected, "16 bits");
+        let shallow = ImageBuffer::from_fn(2, 1, |x, _| Luma([if x == 0 { 51_u8 } else { 255 }]));
+        assert_eq!(saved(&DynamicImage::ImageLuma8(shallow)).expect("read").values, [0.2, 1.0], "8 bits");
+    }
+
+    #[test]
+    fn colours_are_refused_and_grays_in_three_channels_are_not() {
+        let colour = ImageBuffer::from_pixel(2, 2, Rgb([1_u8, 2, 3]));
+        let message = saved(&DynamicImage::ImageRgb8(colour)).expect_err("colour").to_string();
+        assert!(message.contains("save it in shades of gray"), "{message}");
+        let plain = ImageBuffer::from_pixel(2, 2, Rgb([255_u8; 3]));
+        assert_eq!(saved(&DynamicImage::ImageRgb8(plain)).expect("gray").values, [1.0; 4], "three alike");
+    }
+
+    #[test]
+    fn a_lone_channel_of_an_exr_is_taken_whatever_its_name() {
+        let channel = |name: &str| Channel { name: name.into(), samples: Samples::Float(vec![-1.0, 2.5]) };
+        let picture = |channels| Picture {
+            full: [2, 1],
+            window: Window::whole(2, 1),
+            channels,
+            attributes: vec![],
+            warnings: vec![],
+        };
+        assert_eq!(from_exr(picture(vec![channel("height")])).2, Some(vec![-1.0, 2.5]), "one");
+        assert_eq!(from_exr(picture(vec![channel("a"), channel("b")])).2, None, "which of two?");
+        let rgb = ["R", "G", "B"].map(channel).to_vec();
+        assert_eq!(from_exr(picture(rgb)).2, Some(vec![-1.0, 2.5]), "three alike");
+    }
+
+    #[test]
+    fn damaged_files_are_refused_with_their_name() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.png");
+        std::fs::write(&path, b"\x89PNG\r\n\x1a\nrubbish").expect("written");
+        let message = read_gray(&path).expect_err("damaged").to_string();
+        assert!(message.contains("a.png: not a sound PNG picture"), "{message}");
+    }
+}
