@@ -3,7 +3,10 @@
 //! A [`World`] is what can be hit: shapes, and where they are placed. It knows neither materials nor lights; those are
 //! attached to placements by the scene.
 
+mod axial;
 mod disc;
+mod frustum;
+mod height_field;
 mod hit;
 mod ids;
 mod interaction;
@@ -14,10 +17,13 @@ mod shape;
 pub mod spawn;
 mod sphere;
 mod surface;
+mod torus;
 mod triangle;
 mod world;
 
 pub use disc::Disc;
+pub use frustum::Frustum;
+pub use height_field::{HeightField, HeightFieldError};
 pub use hit::Hit;
 pub use ids::{PlacementId, ShapeId};
 pub use interaction::Interaction;
@@ -27,6 +33,7 @@ pub use ray::Ray;
 pub use shape::Shape;
 pub use sphere::Sphere;
 pub use surface::{HitFilter, ShapeHit, Surface, SurfacePoint};
+pub use torus::Torus;
 pub use triangle::intersect_triangle;
 pub use world::{Placement, World};
 

@@ -4,6 +4,7 @@ use crate::geometry::Ray;
 use crate::math::{Aabb, Transform};
 use glam::{Vec2, Vec3};
 use std::fmt;
+use std::sync::Arc;
 
 /// A shape that intersects rays itself, one primitive at a time: what triangles would approximate badly or at great
 /// length. All in the space of the shape.
@@ -35,6 +36,13 @@ pub trait Surface: fmt::Debug + Send + Sync {
     /// The point that a hit of `ray` names. `ray.at(hit.t)` is off by the rounding of a parameter that may be large: bring
     /// it back to the surface.
     fn point(&self, prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint;
+
+    /// The same carried by a map that keeps angles and scales all lengths by `factor`, which is positive; `None` where it
+    /// must be placed as an instance instead.
+    fn scaled(&self, map: &Transform, factor: f32) -> Option<Arc<dyn Surface>> {
+        let _ = (map, factor);
+        None
+    }
 }
 
 /// Roundings that an intersection test spends on a point near a round surface; see `tests/spawn.rs`.

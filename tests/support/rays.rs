@@ -160,13 +160,17 @@ pub(crate) fn surface_point(world: &World, rng: &mut Rng, time: f32, part: Part)
             (disc.center + rim * disc.radius * out, disc.normal)
         }
         shape @ Shape::Surface(_) => {
-            // A ray finds one.
-            let bounds = shape.bounds();
+            // A ray finds one; not every ray does, for there may be holes.
             let prim = u32::try_from(rng.below(shape.primitive_count())).expect("few");
-            let center = shape.primitive_bounds(prim).center();
-            let inwards = rng.direction() * bounds.radius() * 3.0;
-            let ray = Ray::new(center - inwards, inwards);
-            let hit = shape.intersect(prim, &ray).expect("its middle is inside");
+            let bounds = shape.primitive_bounds(prim);
+            let (ray, hit) = loop {
+                let target = bounds.center() + rng.cube() * bounds.size() * 0.5;
+                let inwards = rng.direction() * bounds.radius() * 3.0;
+                let ray = Ray::new(target - inwards, inwards);
+                if let Some(hit) = shape.intersect(prim, &ray) {
+                    break (ray, hit);
+                }
+            };
             let point = shape.point(prim, &ray, &hit);
             (point.p, point.ng)
         }

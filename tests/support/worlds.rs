@@ -5,7 +5,7 @@
 use crate::rays::Rng;
 use glam::{Affine3A, Quat, Vec2, Vec3};
 use specula::geometry::{
-    Disc, HitFilter, Mesh, Pose, Ray, Shape, ShapeHit, Sphere, Surface, SurfacePoint, World,
+    Disc, Frustum, HitFilter, Mesh, Pose, Ray, Shape, ShapeHit, Sphere, Surface, SurfacePoint, Torus, World,
 };
 use specula::math::{Aabb, Motion, Transform};
 use std::sync::Arc;
@@ -18,6 +18,7 @@ pub(crate) fn worlds() -> Vec<(&'static str, World)> {
         ("quads", quads()),
         ("round", round()),
         ("surfaces", surfaces()),
+        ("bodies", bodies()),
         ("instanced", instanced()),
         ("nested", nested()),
         ("moving", moving()),
@@ -85,6 +86,26 @@ fn surfaces() -> World {
     for _ in 0..12 {
         let balls = (0..3).map(|_| Ellipsoid::random(&mut rng, 0.05, 0.3)).collect();
         let shape = add(&mut world, Shape::Surface(Arc::new(Ellipsoids(balls))), Pose::World);
+        world.place(shape, random_map(&mut rng, 0.3, 1.0));
+    }
+    world
+}
+
+/// Cylinders, cones and tori, in place and as instances.
+fn bodies() -> World {
+    let mut rng = Rng::new(11);
+    let mut world = World::default();
+    for i in 0..12 {
+        let (from, to) = (rng.cube(), rng.cube());
+        let [a, b] = [0.05 + 0.2 * rng.unit(), 0.02 + 0.2 * rng.unit()];
+        let frustum = |radii, capped| Arc::new(Frustum::new(from, to, radii, capped).expect("a body"));
+        let surface: Arc<dyn Surface> = match i % 4 {
+            0 => frustum([a, a], true),
+            1 => frustum([a, 0.0], true),
+            2 => frustum([a, b], false),
+            _ => Arc::new(Torus::new(from, to, a + b, 0.9 * b).expect("a ring")),
+        };
+        let shape = add(&mut world, Shape::Surface(surface), Pose::World);
         world.place(shape, random_map(&mut rng, 0.3, 1.0));
     }
     world

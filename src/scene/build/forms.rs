@@ -37,7 +37,7 @@ fn quads(faces: &[[Vec3; 4]]) -> Mesh {
 }
 
 /// The shape carried to its place, where it stays of its kind: meshes under every map, spheres and discs where angles and
-/// proportions stay, others never.
+/// proportions stay, others there, too, if they say how.
 pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {
     let transform = Transform::new(*map)?;
     Some(match shape {
@@ -51,7 +51,7 @@ pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {
             normal: transform.normal(disc.normal).normalize(),
             radius: disc.radius * uniform_scale(map)?,
         }),
-        Shape::Surface(_) => return None,
+        Shape::Surface(surface) => Shape::Surface(surface.scaled(&transform, uniform_scale(map)?)?),
     })
 }
 
