@@ -85,3 +85,56 @@ transform = [{ scale = [1.0, 2.0, 1.0] }]
     let found = problems(text, &[]);
     assert!(found.contains("an emitting sphere or disc can be moved, turned and scaled alike"), "{found}");
 }
+
+#[test]
+fn round_bodies_that_shine_are_refused_wherever_they_stand() {
+    for kind in ["cylinder", "cone", "torus"] {
+        for transform in
+            ["", "transform = [{ translate = [1, 0, 0] }]", "transform = [{ scale = [1.0, 2.0, 1.0] }]"]
+        {
+            let text = format!(
+                "[materials.lamp]\ntype = \"emission\"\nradiance = 1.0\n[[shapes]]\ntype = \"{kind}\"\n\
+                 material = \"lamp\"\n{transform}\n"
+            );
+            let found = problems(&text, &[]);
+            let expected = "scene.toml:4:1: only meshes, spheres and discs can be lights; use one of those";
+            assert_eq!(found, expected, "{text}");
+        }
+    }
+}
+
+#[test]
+fn pictures_that_are_no_heights_are_refused_with_place_and_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let picture = |width: u32, height: u32, values: &[f32]| {
+        let path = folder.path().join("a.hdr");
+        // Radiance without run lengths: equal mantissas under an exponent.
+        let mut bytes =
+            format!("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y {height} +X {width}\n").into_bytes();
+        for value in values {
+            let mantissa = if *value > 0.0 { 128 } else { 0 };
+            bytes.extend([mantissa, mantissa, mantissa / 2, if mantissa > 0 { 128 } else { 0 }]);
+        }
+        fs::write(&path, bytes).expect("a picture");
+        path.display().to_string()
+    };
+    let scene = |file: &str| {
+        format!(
+            "[materials.m]\ntype = \"diffuse\"\n[[shapes]]\ntype = \"height_field\"\nmaterial = \"m\"\n\
+             file = \"{file}\"\n"
+        )
+    };
+    let found = problems(&scene(&picture(2, 2, &[0.0, 0.0, 0.0, 1.0])), &[]);
+    assert!(
+        found.ends_with(
+            "a.hdr: a colour picture, where one number per pixel is needed; save it in shades of gray"
+        ),
+        "{found}"
+    );
+    let found = problems(&scene(&picture(3, 1, &[0.0; 3])), &[]);
+    assert!(
+        found.contains("a.hdr: 3 by 1 heights span no area: two columns and two rows are the least"),
+        "{found}"
+    );
+    assert_eq!(problems(&scene(&picture(2, 2, &[0.0; 4])), &[]), "", "a flat field");
+}

@@ -201,13 +201,49 @@ const CASES: &[Case] = &[
          edge_u = [1, 0, 0]\nedge_v = [-2, 0, 0]\nmaterial = 'm'\n[[shapes]]\ntype = 'disc'\nnormal = [0, 0, 0]\n\
          material = 'n'\n",
         &[
-            "scene.toml:3:1: missing key `type`; it must be `mesh`, `sphere`, `disc`, `rectangle`, `box` or `instance`",
+            "scene.toml:3:1: missing key `type`; it must be `mesh`, `sphere`, `disc`, `rectangle`, `box`, `cylinder`, `cone`, `torus`, `height_field` or `instance`",
             "scene.toml:5:1: missing key `material`; known are `m`",
             "scene.toml:10:7: `max` is not above `min` on every axis; give the lower corner as `min`",
-            "scene.toml:12:1: `radius` does not go with type `box`; it belongs to type `sphere` or type `disc`",
+            "scene.toml:12:1: `radius` does not go with type `box`; it belongs to type `sphere`, type `disc`, type `cylinder` or type `cone`",
             "scene.toml:16:10: `edge_v` is parallel to `edge_u`; give edges that span an area",
             "scene.toml:20:10: `normal` is zero; it must be three numbers [x, y, z], not all zero",
             "scene.toml:21:12: unknown material `n`; known are `m`",
+        ],
+    ),
+    file(
+        "round bodies",
+        "[materials.m]\ntype = 'mirror'\n[[shapes]]\ntype = 'cylinder'\nfrom = [0, 1, 0]\nradius = 0\ncaps = 1\n\
+         [[shapes]]\ntype = 'cylinder'\nfrom = [0, 1, 0]\nmaterial = 'm'\n[[shapes]]\ntype = 'cone'\nto = [0, 0, 0]\n\
+         material = 'm'\n[[shapes]]\ntype = 'cone'\nend_radius = -1\nmaterial = 'm'\n[[shapes]]\ntype = 'torus'\n\
+         minor_radius = 1\nmaterial = 'm'\n[[shapes]]\ntype = 'torus'\nmajor_radius = 0.1\nmaterial = 'm'\n[[shapes]]\n\
+         type = 'torus'\naxis = [0, 0, 0]\nmajor_radius = 0\n",
+        &[
+            "scene.toml:3:1: missing key `material`; known are `m`",
+            "scene.toml:6:10: `radius` is 0; it must be a number above 0 m",
+            "scene.toml:7:8: `caps` is an integer; it must be `true` or `false`",
+            "scene.toml:8:1: `to` is where the axis starts; give another point as its other end",
+            "scene.toml:14:6: `to` is where the axis starts; give another point as its other end",
+            "scene.toml:18:14: `end_radius` is -1; it must be a number of at least 0 m",
+            "scene.toml:22:16: `minor_radius` is not below `major_radius`; a ring needs a hole; give a thinner tube or a larger `major_radius`",
+            "scene.toml:24:1: `minor_radius` is not below `major_radius`; a ring needs a hole; give a thinner tube or a larger `major_radius`",
+            "scene.toml:28:1: missing key `material`; known are `m`",
+            "scene.toml:30:8: `axis` is zero; it must be three numbers [x, y, z], not all zero",
+            "scene.toml:31:16: `major_radius` is 0; it must be a number above 0 m",
+        ],
+    ),
+    file(
+        "height fields",
+        "[materials.m]\ntype = 'mirror'\n[[shapes]]\ntype = 'height_field'\nsize = [1, 0]\nheight = 1\n\
+         normals = 'file'\n[[shapes]]\ntype = 'height_field'\nfile = 'hills.png'\nmaterial = 'm'\n[[shapes]]\n\
+         type = 'height_field'\nfile = 'scene.toml'\nmaterial = 'm'\n",
+        &[
+            "scene.toml:3:1: missing key `file`; give a file (.png, .exr or .hdr)",
+            "scene.toml:3:1: missing key `material`; known are `m`",
+            "scene.toml:5:12: `size` is 0; it must be a number above 0 m",
+            "scene.toml:6:10: `height` is an integer; it must be an array of two, each a number in m",
+            "scene.toml:7:11: `normals` is `file`; it must be `smooth` or `flat`",
+            "scene.toml:10:8: no such file `hills.png`; paths are relative to the file that names them",
+            "scene.toml:14:8: `scene.toml` is of an unknown format; it must end in .png, .exr or .hdr",
         ],
     ),
     file(

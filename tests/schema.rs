@@ -172,6 +172,11 @@ const GOOD: &[&str] = &[
     "[materials.m]\ntype = 'mirror'\n[[shapes]]\ntype = 'mesh'\nfile = 'mesh.obj'\nnormals = 'smooth'\n\
      [[shapes]]\ntype = 'disc'\nmaterial = 'm'\n[[shapes]]\ntype = 'box'\nmin = [0, 0, 0]\nmax = [1, 1, 1]\n\
      material = 'm'\n[[shapes]]\ntype = 'rectangle'\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\nmaterial = 'm'",
+    "[materials.m]\ntype = 'mirror'\n[[shapes]]\ntype = 'cylinder'\nmaterial = 'm'\nfrom = [0, 0, 0]\nto = [1, 0, 0]\n\
+     radius = 2\ncaps = false\n[[shapes]]\ntype = 'cone'\nmaterial = 'm'\nradius = 1\nend_radius = 0.5\n[[shapes]]\n\
+     type = 'torus'\nmaterial = 'm'\ncenter = [0, 1, 0]\naxis = [0, 0, 2]\nmajor_radius = 2\nminor_radius = 1.5\n\
+     [[shapes]]\ntype = 'height_field'\nmaterial = 'm'\nfile = 'hills.png'\ncenter = [0, 0, 0]\nsize = [2, 3]\n\
+     height = [-1, 1]\nnormals = 'flat'",
     "lights = [{ type = 'point', position = [0, 0, 0], intensity = 1 }, { type = 'directional', \
      direction = [0, -1, 0], irradiance = 1 }, { type = 'spot', position = [0, 1, 0], at = [0, 0, 0], \
      intensity = [1, 2, 3], angle_deg = 180, softness = 1 }, { type = 'rectangle', center = [0, 0, 0], \
@@ -225,6 +230,13 @@ const BAD: &[&str] = &[
     "[[shapes]]\ntype = 'mesh'\nfile = 'mesh.obj'\ntransform = [{ scale = 1, translate = [0, 0, 0] }]",
     "[[shapes]]\ntype = 'mesh'\nfile = 'mesh.obj'\ntransform = [{ rotate_deg = 1 }]",
     "[[shapes]]\ntype = 'mesh'\nfile = 'mesh.obj'\ntransform = [{ matrix = [1, 2, 3] }]",
+    "[[shapes]]\ntype = 'cylinder'\nradius = 0",
+    "[[shapes]]\ntype = 'cone'\nend_radius = -1",
+    "[[shapes]]\ntype = 'torus'\naxis = [0, 0, 0]",
+    "[[shapes]]\ntype = 'torus'\nradius = 1",
+    "[[shapes]]\ntype = 'height_field'",
+    "[[shapes]]\ntype = 'height_field'\nfile = 'hills.png'\nsize = [1, 2, 3]",
+    "[[shapes]]\ntype = 'height_field'\nfile = 'hills.png'\nnormals = 'file'",
     "[[lights]]\ntype = 'point'\nposition = [0, 0, 0]",
     "[[lights]]\ntype = 'environment'",
     "[[lights]]\ntype = 'environment'\nradiance = 1\nfile = 'sky.hdr'",
@@ -236,6 +248,7 @@ fn folder() -> tempfile::TempDir {
     let dir = tempfile::tempdir().expect("a temporary directory");
     fs::write(dir.path().join("mesh.obj"), "").expect("written");
     fs::write(dir.path().join("sky.hdr"), "").expect("written");
+    fs::write(dir.path().join("hills.png"), "").expect("written");
     dir
 }
 

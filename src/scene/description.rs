@@ -456,11 +456,69 @@ tagged! {
             /// Its highest corner.
             max: Vec3, unit("m");
         }
+        /// A cylinder.
+        "cylinder" => Cylinder {
+            /// Centre of its first end.
+            from: Vec3 = Vec3::ZERO, unit("m");
+            /// Centre of its second end.
+            to: Vec3 = Vec3::Y, unit("m");
+            /// Radius.
+            radius: f32 = 1.0, unit("m"), above(0.0);
+            /// Whether discs close its ends; a clear body needs them.
+            caps: bool = true;
+        }
+        /// A cone, or what is left of one whose tip is cut off.
+        "cone" => Cone {
+            /// Centre of its base.
+            from: Vec3 = Vec3::ZERO, unit("m");
+            /// Its tip, or the centre of the end where that is cut off.
+            to: Vec3 = Vec3::Y, unit("m");
+            /// Radius of its base.
+            radius: f32 = 1.0, unit("m"), above(0.0);
+            /// Radius of its other end.
+            end_radius: f32 = 0.0, unit("m"), min(0.0);
+            /// Whether discs close its ends; a clear body needs them.
+            caps: bool = true;
+        }
+        /// A ring with a hole.
+        "torus" => Torus {
+            /// Centre.
+            center: Vec3 = Vec3::ZERO, unit("m");
+            /// The direction through the hole; any length.
+            axis: Vec3 = Vec3::Y, nonzero();
+            /// From the centre to the middle of the tube.
+            major_radius: f32 = 1.0, unit("m"), above(0.0);
+            /// Radius of the tube; below `major_radius`.
+            minor_radius: f32 = 0.25, unit("m"), above(0.0);
+        }
+        /// Heights over a rectangle, from the brightness of a picture seen from above: its right is +x, its top -z.
+        "height_field" => HeightField {
+            /// A gray picture (PNG of 8 or 16 bits, EXR or HDR), 2 by 2 pixels at least; a height per pixel.
+            file: Located<PathBuf>, file(&["png", "exr", "hdr"]);
+            /// Centre of the rectangle, from which heights are counted.
+            center: Vec3 = Vec3::ZERO, unit("m");
+            /// Edges of the rectangle along x and z, between the outermost heights.
+            size: [f32; 2] = [1.0, 1.0], unit("m"), above(0.0);
+            /// Heights of black (0) and of white (1); of what is beyond them in EXR and HDR files in proportion.
+            height: [f32; 2] = [0.0, 1.0], unit("m");
+            /// Where shading normals come from.
+            normals: HeightNormals = HeightNormals::Smooth;
+        }
         /// Another shape once more, with a transform of its own after that shape's.
         "instance" => Instance {
             /// Name of the other shape.
             of: Located<String>;
         }
+    }
+}
+
+choice! {
+    /// Where shading normals of a height field come from.
+    pub enum HeightNormals {
+        /// The slope between the neighbours of each height.
+        "smooth" => Smooth,
+        /// The triangles between heights.
+        "flat" => Flat,
     }
 }
 

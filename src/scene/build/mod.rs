@@ -11,6 +11,7 @@ mod materials;
 mod shapes;
 mod shutter;
 mod steps;
+mod surfaces;
 mod way;
 
 use crate::error::{Place, Problem, Problems, Result};

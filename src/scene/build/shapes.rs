@@ -164,6 +164,10 @@ impl Builder {
                 Shape::Mesh(forms::rectangle(center, edge_u, edge_v))
             }
             &Form::Box { min, max } => Shape::Mesh(forms::cuboid(min, max)),
+            form @ (Form::Cylinder { .. } | Form::Cone { .. } | Form::Torus { .. }) => {
+                self.surface_of(form, &described.place)?
+            }
+            form @ Form::HeightField { .. } => self.height_field(form)?,
             Form::Instance { .. } => return None,
         };
         Some(Made { shape, materials: vec![own?] })
@@ -247,6 +251,8 @@ impl Builder {
         let map = self.world.placements[placement.index()].pose.at(0.0).map(|t| *t.world_from_object());
         let shape = self.world.shape_of(placement);
         let moved = match map {
+            // Refused below, wherever it stands.
+            _ if matches!(shape, Shape::Surface(_)) => shape.clone(),
             None => shape.clone(),
             Some(map) => forms::moved(shape, &map)
                 .ok_or("an emitting sphere or disc can be moved, turned and scaled alike on all axes only; use a mesh")?,

@@ -100,12 +100,19 @@ fn times<T>(keys: &[T], time_s: impl Fn(&T) -> f64, fields: &mut Fields<'_>) {
     }
 }
 
-/// Edges span an area, boxes have corners in order.
+/// Edges span an area, boxes have corners in order, axes have two ends, rings have a hole.
 pub(crate) fn form(form: &Form, fields: &mut Fields<'_>) {
     match *form {
         Form::Rectangle { edge_u, edge_v, .. } => edges(edge_u, edge_v, fields),
         Form::Box { min, max } if !min.cmplt(max).all() => {
             fields.problem("max", "`max` is not above `min` on every axis", "give the lower corner as `min`");
+        }
+        Form::Cylinder { from, to, .. } | Form::Cone { from, to, .. } if from == to => {
+            fields.problem("to", "`to` is where the axis starts", "give another point as its other end");
+        }
+        Form::Torus { major_radius, minor_radius, .. } if minor_radius >= major_radius => {
+            let remedy = "a ring needs a hole; give a thinner tube or a larger `major_radius`";
+            fields.problem("minor_radius", "`minor_radius` is not below `major_radius`", remedy);
         }
         _ => {}
     }

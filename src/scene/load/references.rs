@@ -8,6 +8,10 @@ use crate::scene::load::report::Report;
 use crate::scene::load::words;
 use std::collections::{HashMap, HashSet};
 
+/// Types of shapes that bring no material of their own.
+const WITHOUT_MATERIALS: [&str; 8] =
+    ["sphere", "disc", "rectangle", "box", "cylinder", "cone", "torus", "height_field"];
+
 /// Reports names given twice, references to nothing, shapes without a material, and shapes that are instances of
 /// themselves.
 pub(crate) fn check(tree: &Node, report: &mut Report) {
@@ -47,7 +51,7 @@ fn names<'a>(shapes: &'a [Node], report: &mut Report) -> HashMap<&'a str, &'a No
 fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], report: &mut Report) {
     let kind = shape.get("type").and_then(Node::text);
     let Some(node) = shape.get("material") else {
-        if let Some("sphere" | "disc" | "rectangle" | "box") = kind {
+        if kind.is_some_and(|kind| WITHOUT_MATERIALS.contains(&kind)) {
             let remedy = words::suggest_name("", materials, "material");
             report.error(&shape.spot, "missing key `material`", remedy);
         }

@@ -1,0 +1,64 @@
+//! Round bodies that find their own hits, and height fields.
+
+use crate::error::{Error, Place, Problem};
+use crate::geometry::{Frustum, HeightField, Shape, Surface, Torus};
+use crate::image;
+use crate::scene::build::Builder;
+use crate::scene::description::{Form, HeightNormals, Located};
+use glam::Vec2;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+impl Builder {
+    /// A cylinder, a cone or a torus.
+    pub(super) fn surface_of(&mut self, form: &Form, place: &Place) -> Option<Shape> {
+        let surface: Option<Arc<dyn Surface>> = match *form {
+            Form::Cylinder { from, to, radius, caps } => {
+                Frustum::cylinder(from, to, radius, caps).map(|made| Arc::new(made) as _)
+            }
+            Form::Cone { from, to, radius, end_radius, caps } => {
+                Frustum::new(from, to, [radius, end_radius], caps).map(|made| Arc::new(made) as _)
+            }
+            Form::Torus { center, axis, major_radius, minor_radius } => {
+                Torus::new(center, axis, major_radius, minor_radius).map(|made| Arc::new(made) as _)
+            }
+            _ => None,
+        };
+        if surface.is_none() {
+            // Files are checked when they are loaded; a description made by a program is not.
+            self.problems.push(Problem::at(place.clone(), "the shape's measures span no body"));
+        }
+        surface.map(Shape::Surface)
+    }
+
+    /// The mesh of a height field.
+    pub(super) fn height_field(&mut self, form: &Form) -> Option<Shape> {
+        let Form::HeightField { file, center, size, height, normals } = form else { return None };
+        let field = self.heights_of_file(file, *height)?;
+        let smooth = *normals == HeightNormals::Smooth;
+        Some(Shape::Mesh(field.mesh(*center, Vec2::from(*size), smooth)))
+    }
+
+    fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
+        let picture = match image::read_gray(&file.value) {
+            Ok(picture) => picture,
+            Err(Error::Input(problems)) => {
+                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
+                return None;
+            }
+            Err(error) => {
+                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                return None;
+            }
+        };
+        let heights = picture.values.iter().map(|value| black + (white - black) * value).collect();
+        match HeightField::new(picture.width, picture.height, heights) {
+            Ok(field) => Some(field),
+            Err(error) => {
+                let problem = Problem::at(Place::file(&file.value), error.to_string());
+                self.problems.push(problem.remedy("check the picture and the range `height`"));
+                None
+            }
+        }
+    }
+}
