@@ -21,7 +21,7 @@ use specula::accel::embree::{BuildOptions, EmbreeAccel};
 use specula::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket};
 use specula::geometry::{Mesh, Shape, World};
 use specula::scene::description::Normals;
-use specula::scene::load::load_obj;
+use specula::scene::load::load_mesh;
 use std::path::PathBuf;
 use support::{Bench, Race};
 
@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn dragon() -> Option<Mesh> {
     let data = std::env::var_os("SPECULA_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    Some(load_obj(&data.join("models/obj/dragon.obj"), Normals::Flat).ok()?.mesh)
+    Some(load_mesh(&data.join("models/obj/dragon.obj"), Normals::Flat).ok()?.mesh)
 }
 
 fn on_mesh(

@@ -302,9 +302,9 @@ const CASES: &[Case] = &[
          file = 'there/is/none.hdr'\n",
         &[
             "scene.toml:3:8: no such file `b.obj`; did you mean `a.obj`?",
-            "scene.toml:6:8: `scene.toml` is of an unknown format; it must end in .obj",
+            "scene.toml:6:8: `scene.toml` is of an unknown format; it must end in .obj or .ply",
             "scene.toml:9:8: `.` is a directory; name a file in it",
-            "scene.toml:12:8: `file` is empty; it must be a file (.obj)",
+            "scene.toml:12:8: `file` is empty; it must be a file (.obj or .ply)",
             "scene.toml:15:8: no such file `there/is/none.hdr`; paths are relative to the file that names them",
         ],
     ),

@@ -7,7 +7,7 @@ use specula::accel::embree::{BuildOptions, EmbreeAccel, SceneOptions};
 use specula::geometry::{Mesh, Shape, World};
 use specula::math::Aabb;
 use specula::scene::description::Normals;
-use specula::scene::load::load_obj;
+use specula::scene::load::load_mesh;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub(crate) fn outside(bounds: Aabb) -> (Vec3, Vec3) {
 pub(crate) fn load(file: &str) -> Option<Mesh> {
     let data = std::env::var_os("SPECULA_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let mesh = load_obj(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh;
+    let mesh = load_mesh(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh;
     if mesh.faces().is_some() {
         return Some(mesh);
     }

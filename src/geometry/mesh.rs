@@ -74,14 +74,24 @@ pub enum MeshError {
         /// How many there can be.
         most: usize,
     },
+    /// A coordinate beyond [`Mesh::MAX_COORDINATE`].
+    #[error("vertex {vertex} is farther than {:e} from zero", Mesh::MAX_COORDINATE)]
+    TooFar {
+        /// Which vertex, from 0.
+        vertex: usize,
+    },
 }
 
 impl Mesh {
-    /// A mesh without normals, surface parameters or groups. Every index must name a vertex and every coordinate
-    /// must be finite.
+    /// The greatest size of a coordinate. Products of two must fit into single precision with room to spare (it ends at
+    /// 3.4e38), and Embree 4 leaves out primitives with coordinates beyond 1.844e18 without a word.
+    pub const MAX_COORDINATE: f32 = 1e18;
+
+    /// A mesh without normals, surface parameters or groups. Every index must name a vertex, and no coordinate may be
+    /// beyond [`Mesh::MAX_COORDINATE`].
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
         let count = positions.len();
-        check_finite(&positions)?;
+        check_positions(&positions)?;
         for (triangle, indices) in triangles.iter().enumerate() {
             if let Some(&vertex) = indices.iter().find(|&&i| i as usize >= count) {
                 return Err(MeshError::Index { triangle, vertex, count });
@@ -145,7 +155,7 @@ impl Mesh {
         }
         for (positions, normals) in &keys {
             check_length("positions of a key", positions.len(), self.positions.len())?;
-            check_finite(positions)?;
+            check_positions(positions)?;
             let expected = self.normals.as_ref().map_or(0, |normals| normals.len());
             check_length("normals of a key", normals.as_ref().map_or(0, Vec::len), expected)?;
         }
@@ -367,9 +377,12 @@ fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(),
     if found == expected { Ok(()) } else { Err(MeshError::Length { what, found, expected }) }
 }
 
-fn check_finite(positions: &[Vec3]) -> Result<(), MeshError> {
-    let odd = positions.iter().position(|p| !p.is_finite());
-    odd.map_or(Ok(()), |vertex| Err(MeshError::NotFinite { vertex }))
+fn check_positions(positions: &[Vec3]) -> Result<(), MeshError> {
+    if let Some(vertex) = positions.iter().position(|p| !p.is_finite()) {
+        return Err(MeshError::NotFinite { vertex });
+    }
+    let far = positions.iter().position(|p| p.abs().max_element() > Mesh::MAX_COORDINATE);
+    far.map_or(Ok(()), |vertex| Err(MeshError::TooFar { vertex }))
 }
 
 fn mix(a: Vec3, b: Vec3, part: f32) -> Vec3 {
@@ -388,6 +401,8 @@ mod tests {
         assert_eq!(bad, Err(MeshError::Index { triangle: 0, vertex: 3, count: 3 }), "index");
         let bad = Mesh::new(vec![Vec3::NAN], vec![]);
         assert_eq!(bad, Err(MeshError::NotFinite { vertex: 0 }), "nan");
+        let bad = Mesh::new(vec![Vec3::ZERO, Vec3::Y * -1.1e18], vec![]);
+        assert_eq!(bad, Err(MeshError::TooFar { vertex: 1 }), "far away");
         let mesh = Mesh::new(CORNERS.to_vec(), vec![[0, 1, 2]]).expect("good");
         assert!(mesh.clone().with_normals(vec![Vec3::Z]).is_err(), "one normal for three vertices");
         assert!((mesh.area(0) - 0.5).abs() < 1e-7, "area");

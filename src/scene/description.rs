@@ -9,7 +9,7 @@
 
 use crate::error::Place;
 use crate::math::Rgb;
-use crate::scene::load::check;
+use crate::scene::load::{EXTENSIONS, check};
 use crate::scene::record::{Value, choice, record, tagged};
 use glam::Vec3;
 use std::ops::Deref;
@@ -419,10 +419,12 @@ tagged! {
     pub enum Form by tag() checked by check::form {
         /// Triangles from a file.
         "mesh" => Mesh {
-            /// An OBJ file.
-            file: Located<PathBuf>, file(&["obj"]);
+            /// An OBJ or PLY file.
+            file: Located<PathBuf>, file(EXTENSIONS);
             /// Where shading normals come from.
             normals: Normals = Normals::File;
+            /// Smooth normals keep edges sharp whose triangles are turned by more against each other; 180 smooths over all.
+            crease_deg: f32 = 180.0, unit("degrees"), min(0.0), max(180.0);
         }
         /// A sphere.
         "sphere" => Sphere {
@@ -630,8 +632,8 @@ tagged! {
         }
         /// Triangles from a file that shine on the side their normals point to.
         "mesh" => Mesh {
-            /// An OBJ file.
-            file: Located<PathBuf>, file(&["obj"]);
+            /// An OBJ or PLY file.
+            file: Located<PathBuf>, file(EXTENSIONS);
             /// What they emit in every direction of their bright side.
             radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
             /// Steps that carry the mesh to its place, in the order written.

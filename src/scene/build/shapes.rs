@@ -7,8 +7,8 @@ use crate::material::{Emission, MaterialId};
 use crate::math::{Aabb, Transform};
 use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, steps};
-use crate::scene::description::{self, Form, Located, Normals};
-use crate::scene::load::{LoadedMesh, load_obj};
+use crate::scene::description::{self, Form, Located};
+use crate::scene::load::{LoadedMesh, Shading, load_mesh};
 use crate::scene::track::Track;
 use glam::Affine3A;
 use std::collections::{HashMap, HashSet};
@@ -155,7 +155,9 @@ impl Builder {
     fn make(&mut self, described: &Located<description::Shape>) -> Option<Made> {
         let own = described.material.as_ref().and_then(|name| self.material_named(&name.value));
         let shape = match &described.form {
-            Form::Mesh { file, normals } => return self.load_mesh(file, *normals, own),
+            &Form::Mesh { ref file, normals, crease_deg } => {
+                return self.mesh(file, Shading { normals, crease_deg }, own);
+            }
             &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center, radius }),
             &Form::Disc { center, normal, radius } => {
                 Shape::Disc(Disc { center, normal: normal.normalize(), radius })
@@ -174,8 +176,12 @@ impl Builder {
     }
 
     /// The mesh of a file, in the material `own` or those that the file brings.
-    pub(super) fn mesh_of_file(&mut self, file: &Located<PathBuf>, normals: Normals) -> Option<LoadedMesh> {
-        match load_obj(&file.value, normals) {
+    pub(super) fn mesh_of_file(
+        &mut self,
+        file: &Located<PathBuf>,
+        shading: impl Into<Shading>,
+    ) -> Option<LoadedMesh> {
+        match load_mesh(&file.value, shading) {
             Ok(mut loaded) => {
                 self.warnings.append(&mut loaded.warnings);
                 Some(loaded)
@@ -191,13 +197,8 @@ impl Builder {
         }
     }
 
-    fn load_mesh(
-        &mut self,
-        file: &Located<PathBuf>,
-        normals: Normals,
-        own: Option<MaterialId>,
-    ) -> Option<Made> {
-        let loaded = self.mesh_of_file(file, normals)?;
+    fn mesh(&mut self, file: &Located<PathBuf>, shading: Shading, own: Option<MaterialId>) -> Option<Made> {
+        let loaded = self.mesh_of_file(file, shading)?;
         let groups = loaded.mesh.group_count();
         if own.is_none() && loaded.materials.len() < groups {
             let problem = Problem::at(file.place.clone(), "the file brings no materials");

@@ -6,15 +6,17 @@
 //! (`references`). Whatever is wrong is collected (`report`) and told at once.
 //!
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
-//! for being there, not opened; [`obj`] reads meshes.
+//! for being there, not opened; [`load_mesh`] reads meshes.
 
 pub(crate) mod check;
 pub(crate) mod decode;
 mod files;
 mod merge;
+mod mesh;
 pub(crate) mod node;
-pub mod obj;
+mod obj;
 mod overrides;
+mod ply;
 mod references;
 pub(crate) mod report;
 mod source;
@@ -26,7 +28,7 @@ use crate::math::Rgb;
 use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
-pub use obj::{LoadedMesh, load_obj};
+pub use mesh::{EXTENSIONS, LoadedMesh, Shading, load_mesh};
 use report::Report;
 use std::path::Path;
 

@@ -2,12 +2,16 @@
 
 use super::outline::{Indices, MOST_MATERIALS, corner, keyword, statements, words};
 use crate::error::{Place, Problem, Problems};
+use crate::geometry::Mesh;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
 /// How many faults of a file are told one by one: they tend to have one cause.
 const TOLD: usize = 20;
+
+/// The greatest sizes of positions and uv.
+const MOST: [f32; 2] = [Mesh::MAX_COORDINATE, f32::MAX];
 
 const INDICES: &str = "indices count from 1 or backwards from -1";
 
@@ -87,14 +91,20 @@ impl Search {
         }
     }
 
-    /// Counts an element if it has at least `least` numbers, of which at most `most` mean something.
+    /// Counts an element, which needs at least `least` numbers, of which at most `most` mean something. A bad one counts
+    /// too: faces that refer to it are not at fault.
     fn element(&mut self, kind: usize, line: u32, rest: &str, [least, most]: [usize; 2]) {
+        self.counts[kind] += 1;
         let mut found = 0;
         for word in words(rest).take(most) {
             found += 1;
             match word.parse::<f32>() {
                 // Normals that are not finite are put right.
-                Ok(value) if value.is_finite() || kind == 2 => {}
+                Ok(value) if kind == 2 || value.abs() <= MOST[kind] => {}
+                Ok(value) if value.is_finite() => {
+                    let what = format!("`{word}` is farther than {:e} from zero", MOST[kind]);
+                    return self.push(line, what, "scale the model down");
+                }
                 Ok(_) => {
                     let what = format!("`{word}` is not finite in single precision");
                     return self.push(line, what, "give a finite coordinate");
@@ -107,9 +117,8 @@ impl Search {
         }
         if found < least {
             let what = format!("{found} of {least} numbers are there");
-            return self.push(line, what, "give one for each coordinate");
+            self.push(line, what, "give one for each coordinate");
         }
-        self.counts[kind] += 1;
     }
 
     fn face(&mut self, line: u32, rest: &str) {

@@ -10,37 +10,24 @@
 mod faults;
 mod mtl;
 mod outline;
-mod polygon;
 mod polygons;
+mod text;
 mod vertices;
 
+use super::mesh::{Cutter, LoadedMesh, Parts, Shading, no_triangle};
 use crate::error::{Error, Place, Problem, Result};
-use crate::geometry::{Mesh, MeshError};
 use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use mtl::Library;
 use outline::Outline;
 use polygons::{Corner, Polygons};
 use std::path::{Path, PathBuf};
 use vertices::Vertices;
 
-/// A mesh as its file says.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoadedMesh {
-    /// The triangles, in one group per material.
-    pub mesh: Mesh,
-    /// A material for each group; none where the file speaks of no material.
-    pub materials: Vec<Named<Material>>,
-    /// What was left out or put right.
-    pub warnings: Vec<Problem>,
-}
-
-/// The triangles of an OBJ file, with shading normals as `normals` says.
-///
-/// Triangles without area are left out, with a warning. Fails, naming file and line, on coordinates that are not
-/// finite, on faces that refer to what is not there, and on files without a triangle.
-pub fn load_obj(path: &Path, normals: Normals) -> Result<LoadedMesh> {
-    let text = read(path)?;
+/// The triangles of an OBJ file, as [`load_mesh`](super::load_mesh) gives them.
+pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
+    let shading = shading.into();
+    let text = text::read(path, "cannot read the mesh")?;
     let outline = Outline::of(&text);
     let place = |line| Place { line: Some(line), ..Place::file(path) };
     let mut warnings = Vec::new();
@@ -48,35 +35,17 @@ pub fn load_obj(path: &Path, normals: Normals) -> Result<LoadedMesh> {
         warnings.push(Problem::at(place(*line), format!("{what} are ignored, {count} in all")));
     }
     let polygons = Polygons::read(&text, &outline, path, &mut warnings).map_err(Error::Input)?;
-    let triangles = Triangles::of(&polygons, normals);
-    if triangles.degenerate > 0 {
-        let what = format!("triangles without area are left out, {} in all", triangles.degenerate);
-        warnings.push(Problem::at(Place::file(path), what));
-    }
+    let triangles = Triangles::of(&polygons, shading.normals);
+    warnings.extend(triangles.cutter.warning(path));
     if triangles.indices.is_empty() {
-        let problem = Problem::at(Place::file(path), "there is no triangle in this file");
-        return Err(problem.remedy("name a file with faces").into());
+        let ignored = outline.ignored.first();
+        let ignored = ignored.map(|(what, line, count)| (Some(*line), format!("{what}, {count} in all")));
+        let dropped = triangles.cutter.dropped().map(|what| (None, what));
+        return Err(no_triangle(path, dropped.or(ignored)).into());
     }
     let materials = materials(&outline, &triangles.groups, path, &mut warnings);
-    let mesh = triangles
-        .mesh(&polygons, normals)
-        .map_err(|error| Problem::at(Place::file(path), error.to_string()))?;
-    Ok(LoadedMesh { mesh, materials, warnings })
-}
-
-/// The text of a file. Names in other encodings than UTF-8 do no harm; whole files in UTF-16 cannot be read.
-fn read(path: &Path) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io {
-        path: path.into(),
-        what: "cannot read the mesh",
-        source,
-    })?;
-    if bytes.starts_with(&[0xfe, 0xff]) || bytes.starts_with(&[0xff, 0xfe]) {
-        return Err(Problem::at(Place::file(path), "this file is UTF-16").remedy("save it as UTF-8").into());
-    }
-    let text = String::from_utf8(bytes)
-        .unwrap_or_else(|error| String::from_utf8_lossy(error.as_bytes()).into_owned());
-    Ok(text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text))
+    let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
+    Ok(LoadedMesh { materials, ..loaded })
 }
 
 /// Triangles whose corners have one index each.
@@ -88,8 +57,7 @@ struct Triangles {
     group_of: Vec<u16>,
     /// Which material of the outline each group is of; none is that of faces before the first `usemtl`.
     groups: Vec<Option<u16>>,
-    /// How many were left out because they have no area.
-    degenerate: usize,
+    cutter: Cutter,
 }
 
 impl Triangles {
@@ -99,22 +67,14 @@ impl Triangles {
             indices: vec![],
             group_of: vec![],
             groups: vec![],
-            degenerate: 0,
+            cutter: Cutter::default(),
         };
-        let mut points = Vec::new();
+        let mut cutter = Cutter::default();
         for (corners, material) in polygons.iter() {
-            points.clear();
-            points.extend(corners.iter().map(|corner| polygons.positions[corner.position as usize]));
-            polygon::triangulate(&points, |triangle| {
-                let [a, b, c] = triangle.map(|i| points[i]);
-                if (b - a).cross(c - a) == Vec3::ZERO {
-                    made.degenerate += 1;
-                } else {
-                    made.add(triangle.map(|i| corners[i]), material, normals);
-                }
-            });
+            let position = |corner: Corner| polygons.positions[corner.position as usize];
+            cutter.cut(corners, position, |triangle| made.add(triangle, material, normals));
         }
-        made
+        Self { cutter, ..made }
     }
 
     fn add(&mut self, corners: [Corner; 3], material: Option<u16>, normals: Normals) {
@@ -136,25 +96,17 @@ impl Triangles {
         self.group_of.push(group as u16);
     }
 
-    fn mesh(self, polygons: &Polygons, normals: Normals) -> std::result::Result<Mesh, MeshError> {
+    fn parts(self, polygons: &Polygons) -> Parts {
         let corners = &self.vertices.corners;
-        let positions: Vec<Vec3> = corners.iter().map(|c| polygons.positions[c.position as usize]).collect();
-        let normals = match normals {
-            Normals::Flat => None,
-            Normals::File => vertices::file_normals(polygons, corners),
-            Normals::Smooth => Some(vertices::smooth_normals(&positions, &self.indices)),
-        };
         let uv = |corner: &Corner| corner.uv.map_or(Vec2::ZERO, |i| polygons.uvs[i as usize]);
-        let uvs: Option<Vec<Vec2>> =
-            corners.iter().any(|corner| corner.uv.is_some()).then(|| corners.iter().map(uv).collect());
-        let mut mesh = Mesh::new(positions, self.indices)?;
-        if let Some(normals) = normals {
-            mesh = mesh.with_normals(normals)?;
+        let any_uv = corners.iter().any(|corner| corner.uv.is_some());
+        Parts {
+            positions: corners.iter().map(|c| polygons.positions[c.position as usize]).collect(),
+            normals: vertices::file_normals(polygons, corners),
+            uvs: any_uv.then(|| corners.iter().map(uv).collect()),
+            triangles: self.indices,
+            groups: (self.groups.len() > 1).then_some(self.group_of),
         }
-        if let Some(uvs) = uvs {
-            mesh = mesh.with_uvs(uvs)?;
-        }
-        if self.groups.len() > 1 { mesh.with_groups(self.group_of) } else { Ok(mesh) }
     }
 }
 
@@ -199,7 +151,7 @@ fn library(outline: &Outline, path: &Path, warnings: &mut Vec<Problem>) -> (Libr
         for file in library_files(names, path) {
             let read = std::fs::read(&file)
                 .map_err(|error| error.to_string())
-                .and_then(|bytes| library.read(&file, &String::from_utf8_lossy(&bytes)));
+                .and_then(|bytes| library.read(&file, &text::decode(bytes)));
             if let Err(error) = read {
                 complete = false;
                 let place = Place { line: Some(*line), ..Place::file(path) };
@@ -212,12 +164,14 @@ fn library(outline: &Outline, path: &Path, warnings: &mut Vec<Problem>) -> (Libr
     (library, complete)
 }
 
-/// The files that a line of `mtllib` names: one with spaces in its name if there is such a file, else one per word.
+/// The files that a line of `mtllib` names: one with spaces in its name if there is such a file, else one per word. A
+/// backslash makes a space part of a word, and stands between folders otherwise.
 fn library_files(names: &str, path: &Path) -> Vec<PathBuf> {
-    let beside = |name: &str| path.with_file_name(name.replace('\\', "/"));
+    let beside = |name: &str| path.with_file_name(name.replace('\\', "/").replace('\0', " "));
+    let escaped = names.replace("\\ ", "\0");
     let whole = beside(names);
-    if whole.is_file() || !names.contains(char::is_whitespace) {
+    if whole.is_file() {
         return vec![whole];
     }
-    names.split_whitespace().map(beside).collect()
+    escaped.split_whitespace().map(beside).collect()
 }

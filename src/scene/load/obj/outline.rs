@@ -16,6 +16,10 @@ use std::collections::HashMap;
 /// Most materials of a mesh; one more number is left for faces without a material.
 pub(super) const MOST_MATERIALS: usize = u16::MAX as usize;
 
+/// What is said of faces that refer to what the file does not have at all; nothing goes without positions.
+const ABSENT: [&str; 3] =
+    ["", "uv of faces, of which the file has none,", "normals of faces, of which the file has none,"];
+
 /// What an OBJ file says besides its numbers.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
@@ -48,33 +52,43 @@ pub(super) struct Face {
 pub(super) type Indices = [Option<u64>; 3];
 
 impl Outline {
-    /// That of the text of a file.
+    /// That of the text of a file. Where a file has no normal at all or no uv, faces that refer to some are read without.
     pub(super) fn of(text: &str) -> Self {
+        let (outline, absent) = Self::read(text, [false; 3]);
+        if absent.contains(&true) { Self::read(text, absent).0 } else { outline }
+    }
+
+    /// The outline without references to the kinds `left_out`; also, which kinds are referred to without being there.
+    fn read(text: &str, left_out: [bool; 3]) -> (Self, [bool; 3]) {
         let mut reader = Reader {
             outline: Self { sound: true, ..Self::default() },
             material: None,
             numbers: HashMap::new(),
             counts: [0; 3],
             needed: [0; 3],
+            left_out,
         };
         for (line, statement) in statements(text) {
             reader.statement(line, &statement);
         }
         let Reader { mut outline, counts, needed, .. } = reader;
         outline.sound &= needed.iter().zip(counts).all(|(&needed, count)| needed <= count);
-        outline
+        let absent = |kind: usize| counts[kind] == 0 && needed[kind] > 0;
+        (outline, [false, absent(1), absent(2)])
     }
 }
 
-/// Lines with their numbers; lines that end in a backslash go on in the next one.
+/// Lines with their numbers; lines that end in a backslash go on in the next one, but for comments.
 pub(super) fn statements(text: &str) -> impl Iterator<Item = (u32, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
         let (number, line) = lines.next()?;
         let mut statement = Cow::Borrowed(line.trim());
-        while let Some(begun) = statement.strip_suffix('\\') {
+        while !statement.starts_with('#') && statement.ends_with('\\') {
             let Some((_, next)) = lines.next() else { break };
-            statement = Cow::Owned(format!("{begun} {}", next.trim()));
+            let statement = statement.to_mut();
+            statement.pop();
+            statement.extend([" ", next.trim()]);
         }
         Some((number, statement))
     })
@@ -116,6 +130,8 @@ struct Reader {
     counts: [u64; 3],
     /// How many there must be in the end.
     needed: [u64; 3],
+    /// Which of them are taken for absent.
+    left_out: [bool; 3],
 }
 
 impl Reader {
@@ -165,7 +181,7 @@ impl Reader {
         let mut face = Face { material: self.material, uvs: true, normals: true };
         let mut corners = 0;
         for word in words(rest) {
-            let Some(indices) = corner(word, self.counts) else {
+            let Some(indices) = corner(word, self.counts).map(|indices| self.without(indices)) else {
                 self.outline.sound = false;
                 return;
             };
@@ -180,7 +196,36 @@ impl Reader {
             return self.ignore("faces with fewer than three corners", line);
         }
         self.outline.faces.push(face);
-        self.write("f", words(rest));
+        if self.left_out.contains(&true) {
+            self.write_less(line, rest);
+        } else {
+            self.write("f", words(rest));
+        }
+    }
+
+    fn without(&self, mut indices: Indices) -> Indices {
+        for (index, _) in indices.iter_mut().zip(self.left_out).filter(|(_, left_out)| *left_out) {
+            *index = None;
+        }
+        indices
+    }
+
+    /// A face without references to what is left out.
+    fn write_less(&mut self, line: u32, rest: &str) {
+        let mut told = [false; 3];
+        let corners: Vec<String> = words(rest)
+            .map(|word| {
+                let parts = word.split('/').zip(self.left_out).enumerate().map(|(kind, (part, left_out))| {
+                    told[kind] |= left_out && !part.is_empty();
+                    if left_out { "" } else { part }
+                });
+                parts.collect::<Vec<_>>().join("/").trim_end_matches('/').into()
+            })
+            .collect();
+        self.write("f", corners.iter().map(String::as_str));
+        for (_, what) in told.into_iter().zip(ABSENT).filter(|(told, _)| *told) {
+            self.ignore(what, line);
+        }
     }
 
     fn use_material(&mut self, line: u32, name: &str) {

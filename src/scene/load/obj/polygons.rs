@@ -3,6 +3,7 @@
 use super::faults;
 use super::outline::Outline;
 use crate::error::{Place, Problem, Problems};
+use crate::geometry::Mesh;
 use glam::{Vec2, Vec3};
 use std::path::Path;
 
@@ -46,8 +47,10 @@ impl Polygons {
         }
         let mesh = parse(&outline.statements).map_err(|e| faults::find(text, path, &e.to_string()))?;
         let mut read = Self::of(&mesh, outline);
-        if !read.positions.iter().all(|p| p.is_finite()) || !read.uvs.iter().all(|uv| uv.is_finite()) {
-            return Err(faults::find(text, path, "a coordinate is not finite"));
+        // Not a number is beyond the limit too: all comparisons with it are false.
+        let near = |p: &Vec3| p.abs().cmple(Vec3::splat(Mesh::MAX_COORDINATE)).all();
+        if !read.positions.iter().all(near) || !read.uvs.iter().all(|uv| uv.is_finite()) {
+            return Err(faults::find(text, path, "a coordinate is not finite or too large"));
         }
         if read.clear_odd_normals()
             && let Some((line, count)) = faults::odd_normals(text)

@@ -2,7 +2,6 @@
 
 use super::polygons::{Corner, Polygons};
 use glam::Vec3;
-use std::collections::HashMap;
 
 /// Corners that differ in no attribute are one vertex.
 #[derive(Debug)]
@@ -45,28 +44,4 @@ impl Vertices {
 pub(super) fn file_normals(polygons: &Polygons, vertices: &[Corner]) -> Option<Vec<Vec3>> {
     let normal = |corner: &Corner| corner.normal.map_or(Vec3::ZERO, |i| polygons.normals[i as usize]);
     vertices.iter().any(|corner| corner.normal.is_some()).then(|| vertices.iter().map(normal).collect())
-}
-
-/// Normals averaged over the triangles that meet at a point, each weighted by its angle there, which makes the average
-/// independent of how polygons were cut (Thuermer, Wuethrich 1998, Computing Vertex Normals from Polygonal Facets).
-/// Vertices at the same coordinates share one, whatever their other attributes.
-pub(super) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    let mut points = HashMap::new();
-    let point_of: Vec<usize> = positions
-        .iter()
-        .map(|p| {
-            let next = points.len();
-            // Adding zero makes one of the two zeros.
-            *points.entry((*p + 0.0).to_array().map(f32::to_bits)).or_insert(next)
-        })
-        .collect();
-    let mut sums = vec![Vec3::ZERO; points.len()];
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|i| positions[i as usize]);
-        let normal = (b - a).cross(c - a).normalize_or_zero();
-        for (i, u, v) in [(0, b - a, c - a), (1, c - b, a - b), (2, a - c, b - c)] {
-            sums[point_of[triangle[i] as usize]] += normal * u.angle_between(v);
-        }
-    }
-    point_of.into_iter().map(|i| sums[i].normalize_or_zero()).collect()
 }

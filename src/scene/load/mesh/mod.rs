@@ -1,0 +1,73 @@
+//! Triangle meshes of files, and what all their formats have in common once they are parsed.
+//!
+//! A format gives polygons; here they are cut (`polygon`), those without area are dropped and counted (`cutter`), and
+//! vertices and triangles become a mesh with the normals asked for (`parts`, `normals`).
+
+mod cutter;
+mod grid;
+mod normals;
+mod parts;
+mod polygon;
+mod ring;
+
+use super::obj::load_obj;
+use super::ply::load_ply;
+use crate::error::{Place, Problem, Result};
+use crate::geometry::Mesh;
+use crate::scene::description::{Material, Named, Normals};
+pub(super) use cutter::Cutter;
+pub(super) use parts::Parts;
+use std::path::Path;
+
+/// A mesh as its file says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedMesh {
+    /// The triangles, in one group per material.
+    pub mesh: Mesh,
+    /// A material for each group; none where the file speaks of no material.
+    pub materials: Vec<Named<Material>>,
+    /// What was left out or put right.
+    pub warnings: Vec<Problem>,
+}
+
+/// Where shading normals come from, and which edges they keep sharp.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shading {
+    /// Where they come from.
+    pub normals: Normals,
+    /// Smooth normals are not averaged over edges whose triangles are turned by more against each other, in degrees;
+    /// 180 smooths over all.
+    pub crease_deg: f32,
+}
+
+impl From<Normals> for Shading {
+    fn from(normals: Normals) -> Self {
+        Self { normals, crease_deg: 180.0 }
+    }
+}
+
+/// Extensions of the files that [`load_mesh`] reads, in lower case.
+pub const EXTENSIONS: &[&str] = &["obj", "ply"];
+
+/// The triangles of a file of any known format, by its extension, with shading normals as `shading` says.
+///
+/// Triangles without area are left out, with a warning. Fails, naming the place, on whatever the file refers to and does
+/// not have, on coordinates that are not finite or beyond [`Mesh::MAX_COORDINATE`], and on files without a triangle.
+pub fn load_mesh(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
+    match extension.to_lowercase().as_str() {
+        "obj" => load_obj(path, shading),
+        "ply" => load_ply(path, shading),
+        _ => {
+            let problem = Problem::at(Place::file(path), "this is no mesh of a known format");
+            Err(problem.remedy("its name must end in .obj or .ply").into())
+        }
+    }
+}
+
+/// What to say of a file without a triangle that has at most `only` this, first in some line.
+pub(super) fn no_triangle(path: &Path, only: Option<(Option<u32>, String)>) -> Problem {
+    let (line, only) = only.map_or((None, String::new()), |(line, only)| (line, format!(", only {only}")));
+    let place = Place { line, ..Place::file(path) };
+    Problem::at(place, format!("there is no triangle in this file{only}")).remedy("name a file with faces")
+}
