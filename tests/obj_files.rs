@@ -250,7 +250,8 @@ fn odd_normals_and_libraries_do_no_harm() {
     fs::write(dir.path().join("a.mtl"), "newmtl\nKd 1 0 0\n").expect("written");
     let expected = [
         "warning: a.obj:6: normals that are not finite are ignored, 1 in all",
-        "warning: a.obj:1: cannot read `a.mtl`: invalid object name; its materials are made gray and diffuse",
+        "warning: a.mtl:1: a material without a name; only faces after a `usemtl` without a name have it; name it",
+        "warning: a.obj:7: material `red` is not defined; it is made gray and diffuse; define it in the file of `mtllib`",
     ];
     assert_eq!(messages(&path, Normals::File), expected, "warnings");
     let mesh = load_mesh(&path, Normals::File).expect("good").mesh;

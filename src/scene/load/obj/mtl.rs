@@ -1,27 +1,34 @@
 //! Materials of MTL files.
 //!
-//! MTL describes the shading of the 1990s; what it says is taken for the nearest material there is. In this order:
+//! MTL describes the shading of the 1990s, to which the names that start in `P` add that of the 2010s (Exocortex 2012,
+//! Clara.io's extension); what a file says is taken for the nearest material there is. In this order:
 //!
 //! | said | becomes |
 //! |---|---|
 //! | `illum` 4, 5, 6, 7 or 9 with `Ni` above 1; `d` between 0 and 1; `Tf` neither black nor white with `Ni` above 1 | dielectric of index `Ni`, 1.5 where that is not above 1, without absorption |
+//! | `Pm` from 0.5 | conductor of reflectance `Kd` and `alpha` = `Pr`^2 |
+//! | `Pc` from 0.5; `Pr` below 0.05 | glazed of index `Ni` (as above) over a base of `Kd` |
+//! | `Pr` below 1 | glossy of the reflectance that `Ni` (as above) has straight on, as wide as `alpha` = `Pr`^2, over a base of what is left of `Kd` |
 //! | `illum` 3, 5 or 8 with `Ks` above zero | mirror of reflectance `Ks` |
-//! | `Ks` and `Ns` above zero | glossy of exponent `Ns` and reflectance `Ks` over a base of `Kd` |
+//! | `Ks` and `Ns` above zero, `illum` not 0 or 1 | glossy of exponent `Ns` and reflectance `Ks` over a base of `Kd` |
 //! | `Ke` above zero, `Kd` black or missing | emission alone |
 //! | all else | diffuse of reflectance `Kd`, gray 0.5 where it is missing |
 //!
-//! Each of the others also gives off the radiance `Ke`.
+//! Each of the others also gives off the radiance `Ke`. Where a metal has no `Pr`, its width is that of `Ns`: alpha^2 =
+//! 2 / (`Ns` + 2) (Walter and others 2007, Microfacet Models for Refraction); 0 without `Ns`. A lobe of that width about
+//! the half vector has about four times the exponent of one about the mirror direction, which halves angles.
 //!
-//! Lines are checked here, since tobj names none and panics at colours of one number, which stand for gray; what is left
-//! is read by tobj. The first material of a name counts.
+//! Lines are checked here, since tobj names none, refuses files with nameless materials and panics at colours of one
+//! number, which stand for gray; what is left is read by tobj. The first material of a name counts.
 //!
 //! `d 0` means opaque: exporters write it for opaque surfaces, and nobody draws invisible ones. `Tf` filters at a
-//! surface and has no thickness to make absorption of. Textures are not read.
+//! surface and has no thickness to make absorption of. Sheen (`Ps`), the roughness of coats (`Pcr`), anisotropy and
+//! textures are not read.
 
 use super::outline::keyword;
 use crate::error::{Place, Problem};
 use crate::math::Rgb;
-use crate::scene::description::{Material, Scattering, Texture};
+use crate::scene::description::{Material, Optics, Scattering, Texture};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
@@ -38,43 +45,70 @@ impl Library {
     /// it.
     pub(super) fn read(&mut self, path: &Path, text: &str) -> Result<(), String> {
         let file: Arc<Path> = path.into();
-        let mut statements = String::new();
-        let mut textures = 0;
+        let mut statements = Statements::default();
         for (number, line) in (1..).zip(text.lines().map(str::trim)) {
             let (keyword, rest) = keyword(line);
-            textures += usize::from(keyword.starts_with("map_"));
-            if statement(&mut statements, keyword, rest).is_none() {
-                let place = Place { file: file.clone(), line: Some(number), column: None };
-                let problem = Problem::at(place, format!("`{line}` makes no sense and is ignored"));
+            let place = || Place { file: file.clone(), line: Some(number), column: None };
+            if keyword == "newmtl" && rest.trim().is_empty() {
+                let problem = Problem::at(place(), "a material without a name");
+                self.warnings
+                    .push(problem.remedy("only faces after a `usemtl` without a name have it; name it"));
+            }
+            if statements.add(keyword, rest).is_none() {
+                let problem = Problem::at(place(), format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
             }
         }
-        if textures > 0 {
-            let what = format!("textures are not read, {textures} in all");
+        if statements.textures > 0 {
+            let what = format!("textures are not read, {} in all", statements.textures);
             self.warnings.push(Problem::at(Place::file(path), what));
         }
         let (materials, _) =
-            tobj::load_mtl_buf(&mut statements.as_bytes()).map_err(|error| error.to_string())?;
-        for material in materials {
-            let understood = understand(&material);
-            self.materials.entry(material.name).or_insert(understood);
+            tobj::load_mtl_buf(&mut statements.text.as_bytes()).map_err(|error| error.to_string())?;
+        for (material, name) in materials.iter().zip(statements.names) {
+            self.materials.entry(name).or_insert_with(|| understand(material));
         }
         Ok(())
     }
 }
 
-/// Writes a line down as tobj can read it; `None` if it makes no sense. Lines of no interest are left out.
-fn statement(statements: &mut String, keyword: &str, rest: &str) -> Option<()> {
-    let rest = match keyword {
-        "newmtl" => rest.trim().to_owned(),
-        "Kd" | "Ks" | "Ke" | "Tf" => color(rest)?.map(|x| x.to_string()).join(" "),
-        "Ns" | "Ni" | "Tr" => number(rest)?.to_string(),
-        "d" => number(rest.trim_start().trim_start_matches("-halo"))?.to_string(),
-        "illum" => rest.trim().parse::<u8>().ok()?.to_string(),
-        _ => return Some(()),
-    };
-    statements.extend([keyword, " ", &rest, "\n"]);
-    Some(())
+/// Statements of textures whose names do not start in `map_`.
+const TEXTURES: [&str; 5] = ["bump", "decal", "disp", "norm", "refl"];
+
+/// What is to be read by tobj.
+#[derive(Debug, Default)]
+struct Statements {
+    /// One a line; materials are named by numbers.
+    text: String,
+    /// The names of the materials.
+    names: Vec<String>,
+    /// How many statements of textures were left out.
+    textures: usize,
+}
+
+impl Statements {
+    /// Writes a line down as tobj can read it; `None` if it makes no sense. Lines of no interest are left out.
+    fn add(&mut self, keyword: &str, rest: &str) -> Option<()> {
+        let rest = match keyword {
+            "newmtl" => {
+                self.names.push(rest.trim().into());
+                self.names.len().to_string()
+            }
+            "Kd" | "Ks" | "Ke" | "Tf" => color(rest)?.map(|x| x.to_string()).join(" "),
+            "Ns" | "Ni" | "Tr" | "Pr" | "Pm" | "Pc" => number(rest)?.to_string(),
+            "d" => number(rest.trim_start().trim_start_matches("-halo"))?.to_string(),
+            "illum" => rest.trim().parse::<u8>().ok()?.to_string(),
+            _ => {
+                self.textures += usize::from(keyword.starts_with("map_") || TEXTURES.contains(&keyword));
+                return Some(());
+            }
+        };
+        // What comes before the first material belongs to none.
+        if !self.names.is_empty() {
+            self.text.extend([keyword, " ", &rest, "\n"]);
+        }
+        Some(())
+    }
 }
 
 fn understand(said: &tobj::Material) -> Material {
@@ -89,30 +123,70 @@ fn understand(said: &tobj::Material) -> Material {
 }
 
 fn scattering(said: &tobj::Material) -> Scattering {
-    let rgb = |[r, g, b]: [f32; 3]| Rgb::new(r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0));
-    let kd = Texture::Constant(rgb(said.diffuse.unwrap_or([0.5; 3])));
+    let kd = rgb(said.diffuse.unwrap_or([0.5; 3]));
     let ks = said.specular.filter(|ks| ks.iter().any(|&x| x > 0.0)).map(rgb);
     let exponent = said.shininess.filter(|&ns| ns > 0.0).map(|ns| ns.min(1e9));
     let mirror = matches!(said.illumination_model, Some(3 | 5 | 8));
+    let highlight = !matches!(said.illumination_model, Some(0 | 1));
+    if is_clear(said) {
+        return Scattering::Dielectric { ior: ior(said), absorption: Rgb::BLACK, priority: 0 };
+    }
+    if let Some(scattering) = extended(said, kd) {
+        return scattering;
+    }
+    let kd = Texture::Constant(kd);
     match (ks, exponent) {
-        _ if is_clear(said) => {
-            let ior = said.optical_density.filter(|&ni| ni > 1.0).map_or(1.5, |ni| ni.min(10.0));
-            Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 }
-        }
         (Some(reflectance), _) if mirror => Scattering::Mirror { reflectance },
-        (Some(reflectance), Some(exponent)) => Scattering::Glossy { exponent, reflectance, diffuse: kd },
+        (Some(reflectance), Some(exponent)) if highlight => {
+            Scattering::Glossy { exponent, reflectance, diffuse: kd }
+        }
         _ => Scattering::Diffuse { reflectance: kd },
     }
 }
 
+/// What the names that start in `P` say, where they say anything.
+fn extended(said: &tobj::Material, kd: Rgb<f32>) -> Option<Scattering> {
+    let part = |keyword| Some(unknown(said, keyword).and_then(number)?.clamp(0.0, 1.0));
+    let alpha = part("Pr").map(|roughness| roughness * roughness);
+    if part("Pm").is_some_and(|metal| metal >= 0.5) {
+        let of_exponent = said.shininess.filter(|&ns| ns > 0.0).map_or(0.0, |ns| (2.0 / (ns + 2.0)).sqrt());
+        let optics = Optics::Artist { reflectance: kd, edge_tint: Rgb::WHITE };
+        return Some(Scattering::Conductor { alpha: alpha.unwrap_or(of_exponent), optics });
+    }
+    let ior = ior(said);
+    if part("Pc").is_some_and(|coat| coat >= 0.5) || alpha.is_some_and(|alpha| alpha < 0.05 * 0.05) {
+        return Some(Scattering::Glazed { ior, reflectance: Texture::Constant(kd) });
+    }
+    let alpha = alpha.filter(|&alpha| alpha < 1.0)?;
+    let straight_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
+    Some(Scattering::Glossy {
+        exponent: (2.0 / (alpha * alpha) - 2.0) / 4.0,
+        reflectance: Rgb::gray(straight_on),
+        diffuse: Texture::Constant(kd.scale(1.0 - straight_on)),
+    })
+}
+
 fn is_clear(said: &tobj::Material) -> bool {
-    let unknown = |keyword| said.unknown_param.get(keyword).map(String::as_str);
     let tinted = |tf: [f32; 3]| tf.iter().any(|&x| x > 0.0) && tf.iter().any(|&x| x < 1.0);
     let refracts = said.optical_density.is_some_and(|ni| ni > 1.0);
-    let dissolve = said.dissolve.or_else(|| Some(1.0 - unknown("Tr").and_then(number)?));
+    let dissolve = said.dissolve.or_else(|| Some(1.0 - unknown(said, "Tr").and_then(number)?));
     dissolve.is_some_and(|d| d > 0.0 && d < 1.0)
         || (refracts && matches!(said.illumination_model, Some(4..=7 | 9)))
-        || (refracts && unknown("Tf").and_then(color).is_some_and(tinted))
+        || (refracts && unknown(said, "Tf").and_then(color).is_some_and(tinted))
+}
+
+/// The index of refraction, that of glass where none above 1 is given.
+fn ior(said: &tobj::Material) -> f32 {
+    said.optical_density.filter(|&ni| ni > 1.0).map_or(1.5, |ni| ni.min(10.0))
+}
+
+/// What follows a keyword that tobj does not know.
+fn unknown<'a>(said: &'a tobj::Material, keyword: &str) -> Option<&'a str> {
+    said.unknown_param.get(keyword).map(String::as_str)
+}
+
+fn rgb(color: [f32; 3]) -> Rgb<f32> {
+    color.map(|x| x.clamp(0.0, 1.0)).into()
 }
 
 /// One finite number.
@@ -146,6 +220,11 @@ mod tests {
     fn each_line_of_the_mapping() {
         let glass = |ior| Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 };
         let matt = |x| Scattering::Diffuse { reflectance: Texture::gray(x) };
+        let glazed = |ior| Scattering::Glazed { ior, reflectance: Texture::gray(0.25) };
+        let metal = |alpha| {
+            let optics = Optics::Artist { reflectance: Rgb::gray(0.25), edge_tint: Rgb::WHITE };
+            Scattering::Conductor { alpha, optics }
+        };
         let cases = [
             ("Kd 0.25 0.25 0.25", matt(0.25)),
             ("Kd 0.25\nKs 0 0 0\nNs 10", matt(0.25)),
@@ -159,6 +238,24 @@ mod tests {
             ("Tf 1 0.5 1\nNi 1.33", glass(1.33)),
             ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Rgb::gray(0.75) }),
             ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Rgb::WHITE }),
+            ("Kd 0.25\nKs 1\nNs 10\nillum 1", matt(0.25)),
+            ("Kd 0.25\nKs 1\nNs 10\nillum 0", matt(0.25)),
+            ("Kd 0.25\nPr 1\nPm 0\nPs 0.5\nPcr 0.1\naniso 0.5", matt(0.25)),
+            ("Kd 0.25\nPm 0", matt(0.25)),
+            ("Kd 0.25\nPr 0.5\nPm 1\nillum 3\nKs 1", metal(0.25)),
+            ("Kd 0.25\nPm 0.75\nNs 30", metal(0.25)),
+            ("Kd 0.25\nPm 1\nd 0.5", glass(1.5)),
+            ("Kd 0.25\nPr 0\nPm 0\nNi 1.25", glazed(1.25)),
+            ("Kd 0.25\nPc 1\nNi 1", glazed(1.5)),
+            (
+                // alpha^2 is 1/18, 34 an exponent about the half vector.
+                "Kd 0.5\nPr 0.48549177\nNi 3",
+                Scattering::Glossy {
+                    exponent: 8.5,
+                    reflectance: Rgb::gray(0.25),
+                    diffuse: Texture::gray(0.375),
+                },
+            ),
             (
                 "Kd 0.5\nKs 0.25\nNs 40",
                 Scattering::Glossy {
@@ -169,7 +266,13 @@ mod tests {
             ),
         ];
         for (text, expected) in cases {
-            assert_eq!(read(text), expected.into(), "{text}");
+            let rounded = match read(text).scattering {
+                Scattering::Glossy { exponent, reflectance, diffuse } => {
+                    Scattering::Glossy { exponent: (exponent * 1e4).round() / 1e4, reflectance, diffuse }
+                }
+                other => other,
+            };
+            assert_eq!(rounded, expected, "{text}");
         }
     }
 
@@ -189,16 +292,16 @@ mod tests {
     }
 
     #[test]
-    fn the_first_of_a_name_counts_and_the_nameless_are_refused() {
+    fn the_first_of_a_name_counts_and_the_nameless_are_told() {
         let mut library = Library::default();
         library.read(Path::new("x.mtl"), "Kd 1\nnewmtl x\nKd 0.25\nnewmtl x\nKd 0.75\n").expect("read");
         let matt: Material = Scattering::Diffuse { reflectance: Texture::gray(0.25) }.into();
         assert_eq!(library.materials.get("x"), Some(&matt), "the first");
-        assert_eq!(
-            library.read(Path::new("x.mtl"), "newmtl\n"),
-            Err("invalid object name".into()),
-            "no name"
-        );
+        library.read(Path::new("y.mtl"), "newmtl \nKd 0.25\nnewmtl y\nKd 0.25").expect("read");
+        assert_eq!(library.materials.get(""), Some(&matt), "no name");
+        assert_eq!(library.materials.get("y"), Some(&matt), "after one without a name");
+        let warning = library.warnings[0].to_string();
+        assert!(warning.starts_with("y.mtl:1: a material without a name"), "{warning}");
     }
 
     #[test]
