@@ -19,8 +19,8 @@ pub(super) struct Content {
     pub(super) uvs: Option<Vec<Vec2>>,
     /// Indices of the corners of all polygons; all of them name vertices.
     pub(super) corners: Vec<u32>,
-    /// How many corners each polygon has, at least three.
-    pub(super) lengths: Vec<usize>,
+    /// How many corners polygons have, at least three, and how many of them in a row have so many.
+    pub(super) runs: Vec<[usize; 2]>,
     /// How many normals were not finite.
     pub(super) odd_normals: usize,
     /// How many faces have fewer than three corners.
@@ -57,7 +57,6 @@ impl Content {
             self.uvs = columns.uvs.then(|| Vec::with_capacity(entries));
         } else if element.name == "face" {
             self.corners.reserve(entries * 3);
-            self.lengths.reserve(entries);
         }
     }
 
@@ -130,9 +129,17 @@ impl Content {
             self.thin_faces += 1;
             self.corners.truncate(self.corners.len() - length);
         } else {
-            self.lengths.push(length);
+            self.end_polygon(length);
         }
         Ok(())
+    }
+
+    #[inline]
+    fn end_polygon(&mut self, corners: usize) {
+        match self.runs.last_mut() {
+            Some([known, count]) if *known == corners => *count += 1,
+            _ => self.runs.push([corners, 1]),
+        }
     }
 
     /// Strips of triangles: each index makes one with the two before it, turning by turns; -1 starts another strip.
@@ -150,7 +157,7 @@ impl Content {
                 // Strips are stitched together by corners written twice, which make no triangle.
                 if a != b && b != c && c != a {
                     self.corners.extend(if turned { [b, a, c] } else { [a, b, c] });
-                    self.lengths.push(3);
+                    self.end_polygon(3);
                 }
                 turned = !turned;
             }

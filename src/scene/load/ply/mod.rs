@@ -54,13 +54,20 @@ fn read(mut source: impl Source, header: &Header, path: &Path) -> Result<(Conten
 }
 
 fn triangles(content: &Content, cutter: &mut Cutter) -> Vec<[u32; 3]> {
-    let Content { positions, corners, lengths, .. } = content;
-    let mut triangles = Vec::with_capacity(corners.len() - 2 * lengths.len());
+    let Content { positions, corners, runs, .. } = content;
+    let polygons: usize = runs.iter().map(|[_, count]| count).sum();
+    let mut triangles = Vec::with_capacity(corners.len() - 2 * polygons);
     let mut left = corners.as_slice();
-    for &length in lengths {
-        let (polygon, rest) = left.split_at(length);
+    for &[length, count] in runs {
+        let (run, rest) = left.split_at(length * count);
         left = rest;
-        cutter.cut(polygon, |corner: u32| positions[corner as usize], |triangle| triangles.push(triangle));
+        for polygon in run.chunks_exact(length) {
+            cutter.cut(
+                polygon,
+                |corner: u32| positions[corner as usize],
+                |triangle| triangles.push(triangle),
+            );
+        }
     }
     triangles
 }
