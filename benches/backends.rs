@@ -21,7 +21,7 @@ use specula::accel::{Accel, Bvh2Accel, CwBvhAccel};
 use specula::geometry::{Mesh, Ray, Shape, World};
 use specula::render::Phase;
 use specula::scene::description::Normals;
-use specula::scene::load::load_obj;
+use specula::scene::load::load_mesh;
 use std::path::PathBuf;
 use std::sync::Arc;
 use support::{Bench, Race};
@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 fn model(name: &str) -> Option<Mesh> {
     let data = std::env::var_os("SPECULA_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let loaded = load_obj(&data.join(format!("models/obj/{name}.obj")), Normals::Flat);
+    let loaded = load_mesh(&data.join(format!("models/obj/{name}.obj")), Normals::Flat);
     if loaded.is_err() {
         println!("{name}: skipped, its file is not here");
     }
