@@ -369,8 +369,8 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
     let (status, stdout, stderr) = place.run(&["man", "--dir", "man"]);
     assert_eq!(status, 0, "{stderr}");
     let names: Vec<_> = stdout.lines().collect();
-    let wanted =
-        ["specula", "specula-render", "specula-diff", "specula-schema", "specula-completions", "specula-man"];
+    let wanted = ["", "-render", "-plan", "-diff", "-schema", "-completions", "-man"]
+        .map(|sub| format!("specula{sub}"));
     assert_eq!(names, wanted.map(|name| format!("man/{name}.1")), "pages");
     let page = fs::read_to_string(place.path("man/specula-render.1")).expect("there");
     assert!(page.contains("min\\-throughput") && page.contains(".TH specula-render 1"), "{page}");
