@@ -177,8 +177,8 @@ impl Binary {
 #[inline(always)]
 fn entry(aabb: &Aabb, way: &Way, end: f32) -> f32 {
     let (a, b) = ((aabb.min - way.o) * way.inv, (aabb.max - way.o) * way.inv);
-    let (near, far) = (a.min(b).max_element(), a.max(b).min_element());
-    if near <= far && far >= 0.0 && near <= end { near } else { f32::INFINITY }
+    let (near, far) = (a.min(b).max_element().max(0.0), a.max(b).min_element().min(end));
+    if near <= far { near } else { f32::INFINITY }
 }
 
 impl Hierarchy for Wide {
