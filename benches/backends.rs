@@ -6,7 +6,6 @@
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
 #[path = "support/rays.rs"]
-#[allow(dead_code, reason = "packets and streams are for another bench")]
 mod rays;
 #[path = "support/mod.rs"]
 mod support;

@@ -6,7 +6,6 @@
 
 #[path = "support/grid.rs"]
 mod grid;
-#[allow(dead_code, reason = "no streams here")]
 #[path = "support/rays.rs"]
 mod rays;
 #[path = "support/mod.rs"]

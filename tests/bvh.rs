@@ -1,8 +1,6 @@
 //! The hierarchies of obvhs where boxes are hard on them: every preset, thousands of instances, things without end, and edges
 //! by the million. `accel_agree` holds them to the same worlds as every other backend.
 
-#![expect(clippy::print_stdout, reason = "tables of what was found")]
-
 #[path = "support/rays.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod rays;

@@ -4,8 +4,6 @@
 //! test is made at its leaves. Aimed are rays at edges and corners, axis-parallel ones that lie exactly in the faces of
 //! boxes, ones with one zero in their direction, ones that start a thousand sizes away, and ones of anywhere.
 
-#![expect(clippy::print_stdout, reason = "tables of what was found")]
-
 #[path = "support/rays.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod rays;

@@ -8,14 +8,13 @@ mod random;
 #[path = "support/surfaces.rs"]
 mod surfaces;
 #[path = "support/verdict.rs"]
-#[allow(dead_code, clippy::cast_possible_truncation, reason = "other tests use more of it")]
 mod verdict;
 
 use glam::Vec3;
 use queries::{Answers, Kind};
 use random::Random;
+use specula::accel::Brute;
 use specula::accel::embree::{BuildOptions, Config, EmbreeAccel, Isa, SceneOptions};
-use specula::accel::{Accel, Brute};
 use specula::geometry::{Disc, Hit, HitFilter, Pose, Ray, Shape, ShapeId, Sphere, World};
 use std::sync::Arc;
 use surfaces::{Board, Cells, Ellipsoids, breathing, rays_into, skewed, tumbling};
@@ -235,10 +234,7 @@ fn masks_decide_who_is_seen() {
 fn quads_name_triangles_with_their_parameters() {
     let mut random = Random::new(10);
     let mut world = World::default();
-    let mesh = breathing(1.0, 1, 0.0);
-    let pairs = mesh.triangles().len() - mesh.faces().expect("told").len();
-    assert!(pairs > 100, "{pairs} quads");
-    let shape = world.add_shape(Shape::Mesh(mesh));
+    let shape = world.add_shape(Shape::Mesh(breathing(1.0, 1, 0.0)));
     world.place(shape, None);
     for i in 0..4 {
         world.place(shape, skewed(&mut random, i % 2 == 0));
@@ -266,17 +262,5 @@ fn quads_name_triangles_with_their_parameters() {
             let hit = oracle.iter().flatten().count();
             assert!(compared + 1 + rays.len() / 400 > hit, "{kind:?}: {compared} of {hit} hits agree");
         }
-    }
-}
-
-#[test]
-fn bounds_hold_everything_that_moves() {
-    let world = mixed();
-    let own = world.bounds();
-    for (backend, accel) in backends(&world) {
-        let (found, slack) = (accel.bounds(), own.size().max_element() * 1e-5);
-        assert!(found.min.cmple(own.min + slack).all(), "{backend}: {found:?} in {own:?}");
-        assert!(found.max.cmpge(own.max - slack).all(), "{backend}: {found:?} in {own:?}");
-        assert!(accel.bytes() > 1000, "{backend}: {} bytes", accel.bytes());
     }
 }

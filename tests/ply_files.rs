@@ -230,6 +230,7 @@ fn data_in_bytes_starts_right_after_its_header() {
 }
 
 #[test]
+#[expect(clippy::too_many_lines, reason = "a table")]
 fn faults_of_headers_name_their_lines() {
     let ply = "this is no PLY file; its first line must be `ply`";
     let properties = "property float x\nproperty float y\nproperty float z\n";

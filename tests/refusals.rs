@@ -37,6 +37,11 @@ const fn mesh(name: &'static str, files: &'static [File], told: &'static [&'stat
     Case { name, files, words: MESH, told }
 }
 
+/// The same of another format.
+const fn ply(name: &'static str, files: &'static [File], told: &'static [&'static str]) -> Case {
+    Case { name, files, words: "stage.toml -D shapes.0.file='model.ply'", told }
+}
+
 const GOOD: File = (
     "good.toml",
     b"[film]\nwidth = 4\nheight = 4\n[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\ntype = 'sphere'\n\
@@ -200,11 +205,51 @@ const SCENES: &[Case] = &[
         &["scene.toml:1:12: no such file `more.toml`"],
     ),
     scene("an include of itself", "include = ['scene.toml']\n", &["scene.toml:1:12: "]),
+    scene(
+        "a cylinder without length",
+        "[[shapes]]\ntype = 'cylinder'\nfrom = [0, 1, 0]\nto = [0, 1, 0]\nmaterial = 'm'\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:4:6: "],
+    ),
+    scene(
+        "a ring without a hole",
+        "[[shapes]]\ntype = 'torus'\nmajor_radius = 1\nminor_radius = 2\nmaterial = 'm'\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:4:16: "],
+    ),
+    scene(
+        "a ring about nothing",
+        "[[shapes]]\ntype = 'torus'\naxis = [0, 0, 0]\nmaterial = 'm'\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:3:8: "],
+    ),
+    scene(
+        "heights of nothing",
+        "[[shapes]]\ntype = 'height_field'\nfile = 'hills.png'\nmaterial = 'm'\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:3:8: no such file `hills.png`"],
+    ),
+    scene(
+        "a cone that shines",
+        "[[shapes]]\ntype = 'cone'\nmaterial = 'm'\n[materials.m]\ntype = 'emission'\nradiance = 1\n",
+        &["scene.toml:1:1: ", "can be lights"],
+    ),
+    scene(
+        "one key",
+        "[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\nkeys = [{ time_s = 0 }]\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:4:8: "],
+    ),
+    scene(
+        "keys that go back",
+        "[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\nkeys = [{ time_s = 1 }, { time_s = 0 }]\n[materials.m]\ntype = 'mirror'\n",
+        &["scene.toml:4:36: "],
+    ),
+    scene(
+        "a shutter that closes before it opens",
+        "[camera]\nshutter_open_s = 1\nshutter_close_s = 0\n",
+        &["scene.toml:3:19: "],
+    ),
 ];
 
 const MESHES: &[Case] = &[
     mesh("empty", &[("model.obj", b"")], &["model.obj: there is no triangle in this file"]),
-    mesh("points only", &[("model.obj", b"v 0 0 0\np 1\n")], &["model.obj: there is no triangle"]),
+    mesh("points only", &[("model.obj", b"v 0 0 0\np 1\n")], &["model.obj:2: there is no triangle in this file, only points"]),
     mesh(
         "index past the end",
         &[("model.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")],
@@ -244,7 +289,28 @@ const MESHES: &[Case] = &[
     mesh(
         "not text",
         &[("model.obj", b"\x7fELF\x02\x01\x01\x00\x00\xff\xfe\x00")],
-        &["model.obj: there is no triangle"],
+        &["model.obj:1: there is no triangle"],
+    ),
+    ply("an empty PLY", &[("model.ply", b"")], &["model.ply"]),
+    ply("PLY of another kind", &[("model.ply", b"ply\nformat text 1.0\nend_header\n")], &["model.ply:2: "]),
+    ply("PLY without an end to its header", &[("model.ply", b"ply\nformat ascii 1.0\nelement vertex 3\n")], &["model.ply"]),
+    ply(
+        "PLY with an index past the end",
+        &[("model.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+           element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n")],
+        &["model.ply:13: "],
+    ),
+    ply(
+        "PLY cut short",
+        &[("model.ply", b"ply\nformat binary_little_endian 1.0\nelement vertex 3000000000\nproperty float x\nproperty float y\n\
+           property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n\0\0\0\0")],
+        &["model.ply"],
+    ),
+    ply(
+        "PLY with a coordinate that is none",
+        &[("model.ply", b"ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+           element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n")],
+        &["model.ply:11: "],
     ),
 ];
 
@@ -320,6 +386,13 @@ const COMMANDS: &[Case] = &[
         &["command line: in `film.width=wide`"],
     ),
     words("statistics onto a picture", "good.toml --stats old.png", &["command line: `old.png`"]),
+    words("a plan of nothing", "!plan lost.toml", &["lost.toml"]),
+    words("a plan of a fault", "!plan good.toml -D film.width=0", &["command line: in `film.width=0`"]),
+    words("a comparison with nothing", "!diff old.exr lost.exr", &["lost.exr"]),
+    words("a comparison of what is no picture", "!diff old.exr old.exr", &["old.exr"]),
+    words("a comparison of other kinds", "!diff old.exr old.png", &["old."]),
+    words("a comparison by no metric", "!diff old.exr old.exr --metric beauty", &["beauty"]),
+    words("a largest error below zero", "!diff old.exr old.exr --max-error -1", &["--max-error -1"]),
     words("a shell that is none", "!completions tcl", &["tcl"]),
     words("a folder that is not there", "!man --dir lost", &["lost"]),
 ];

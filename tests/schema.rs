@@ -232,7 +232,7 @@ const BAD: &[&str] = &[
     "[[shapes]]\ntype = 'mesh'\nfile = 'mesh.obj'\ntransform = [{ matrix = [1, 2, 3] }]",
     "[[shapes]]\ntype = 'cylinder'\nradius = 0",
     "[[shapes]]\ntype = 'cone'\nend_radius = -1",
-    "[[shapes]]\ntype = 'torus'\naxis = [0, 0, 0]",
+    "[[shapes]]\ntype = 'torus'\naxis = [0, 0]",
     "[[shapes]]\ntype = 'torus'\nradius = 1",
     "[[shapes]]\ntype = 'height_field'",
     "[[shapes]]\ntype = 'height_field'\nfile = 'hills.png'\nsize = [1, 2, 3]",

@@ -169,7 +169,7 @@ impl Tally {
         }
         for &t in &found {
             let off = line.value(f64::from(t)).abs();
-            let on_edge = body.from_edge(line.at(t.into())) <= slack(t.into());
+            let on_edge = body.distance_to_edge(line.at(t.into())) <= slack(t.into());
             assert!(
                 off <= slack(t.into()) || on_edge,
                 "{body:?}\n{ray:?}\nfalse {t}, off by {off:e}: {expected:?}"
@@ -193,7 +193,7 @@ impl Tally {
         let error = point.p_error.as_dvec3();
         let n = point.ng.as_dvec3();
         self.worst_point = self.worst_point.max(body.value(p).abs() / n.abs().dot(error));
-        if body.from_edge(p) > 1e-3 * body.size() && body.bend(p) > 1e3 * error.length() {
+        if body.distance_to_edge(p) > 1e-3 * body.size() && body.bend(p) > 1e3 * error.length() {
             let off = (body.gradient(p) - n).length();
             self.worst_normal =
                 self.worst_normal.max(off * body.bend(p) / (body.bend(p) + 1e6 * error.length()));

@@ -26,33 +26,11 @@ pub(crate) fn outside(bounds: Aabb) -> (Vec3, Vec3) {
     (bounds.center() + away, bounds.center())
 }
 
-/// A mesh with the faces that its file had, where the model data is.
+/// The mesh of a file, where the model data is.
 pub(crate) fn load(file: &str) -> Option<Mesh> {
     let data = std::env::var_os("SPECULA_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let mesh = load_mesh(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh;
-    if mesh.faces().is_some() {
-        return Some(mesh);
-    }
-    let faces = pairs(&mesh);
-    mesh.with_faces(faces).ok()
-}
-
-/// Faces as a fan of two triangles leaves them: neighbours `[a, b, c]`, `[a, c, d]`.
-fn pairs(mesh: &Mesh) -> Vec<u32> {
-    let triangles = mesh.triangles();
-    let mut faces = Vec::new();
-    let mut next = 0;
-    while next < triangles.len() {
-        let first = u32::try_from(next).expect("few triangles");
-        faces.push(first);
-        let is_pair = match triangles[next..] {
-            [[a, _, c], [d, e, _], ..] => [a, c] == [d, e] && mesh.group(first) == mesh.group(first + 1),
-            _ => false,
-        };
-        next += if is_pair { 2 } else { 1 };
-    }
-    faces
+    Some(load_mesh(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh)
 }
 
 /// Builds and queries.
@@ -63,8 +41,6 @@ pub(crate) fn compare(
     view: View,
 ) -> Result<(), Box<dyn std::error::Error>> {
     let triangles = mesh.triangles().len();
-    let faces = mesh.faces().map_or(0, |faces| faces.len());
-    println!("{name}: {triangles} triangles, {} in quads", 2 * (triangles - faces));
     let mut world = World::default();
     let shape = world.add_shape(Shape::Mesh(mesh));
     world.place(shape, None);

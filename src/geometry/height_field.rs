@@ -94,10 +94,8 @@ impl HeightField {
             center + Vec3::new(flat.x, self.height(node[0], node[1]), flat.y)
         };
         let triangles: Vec<[u32; 3]> = self.triangles();
-        let faces = (0..super::count(triangles.len())).step_by(2).collect();
         let uvs = nodes().map(|node| Vec2::new(parameters(node).x, 1.0 - parameters(node).y)).collect();
         let mesh = Mesh::new(nodes().map(position).collect(), triangles)
-            .and_then(|mesh| mesh.with_faces(faces))
             .and_then(|mesh| mesh.with_uvs(uvs))
             .expect("a grid is a sound mesh where its coordinates are finite");
         if !smooth {

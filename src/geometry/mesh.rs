@@ -14,8 +14,6 @@ pub struct Mesh {
     normals: Option<Arc<[Vec3]>>,
     uvs: Option<Arc<[Vec2]>>,
     groups: Option<Arc<[u16]>>,
-    /// The first triangle of each face of one or two triangles.
-    faces: Option<Arc<[u32]>>,
     /// What the vertices do after the opening of the shutter: keys at equal steps to its closing; empty if they stay.
     later: Arc<[Key]>,
 }
@@ -60,12 +58,6 @@ pub enum MeshError {
         /// Which vertex, from 0.
         vertex: usize,
     },
-    /// A face that is neither one triangle nor two that share an edge as they must.
-    #[error("face {face} is neither a triangle nor a pair [a, b, c], [a, c, d] of one group")]
-    Face {
-        /// Which face, from 0.
-        face: usize,
-    },
     /// More keys than [`motion::MOST_KEYS`].
     #[error("{found} keys, but there can be {most} at most")]
     Keys {
@@ -99,7 +91,7 @@ impl Mesh {
         }
         let (positions, triangles) = (positions.into(), triangles.into());
         let later = Arc::default();
-        Ok(Self { positions, triangles, normals: None, uvs: None, groups: None, faces: None, later })
+        Ok(Self { positions, triangles, normals: None, uvs: None, groups: None, later })
     }
 
     /// The same mesh with a shading normal per vertex, of any length; zero ones fall back to the triangle's own.
@@ -118,32 +110,6 @@ impl Mesh {
     pub fn with_groups(self, groups: Vec<u16>) -> Result<Self, MeshError> {
         check_length("groups", groups.len(), self.triangles.len())?;
         Ok(Self { groups: Some(groups.into()), ..self })
-    }
-
-    /// The same mesh, in which each face of a file is told by its first triangle: faces have one triangle or two, `[a, b, c]`
-    /// and `[a, c, d]`, of one group. A backend may hold the two as one quad; nothing else changes.
-    pub fn with_faces(self, faces: Vec<u32>) -> Result<Self, MeshError> {
-        let ends = faces.iter().skip(1).map(|&first| first as usize).chain([self.triangles.len()]);
-        let mut next = 0;
-        for (face, (&first, end)) in faces.iter().zip(ends).enumerate() {
-            let start = first as usize;
-            let sound = start == next
-                && match self.triangles.get(start..end) {
-                    Some([_]) => true,
-                    Some([[a, _, c], [d, e, _]]) => {
-                        [a, c] == [d, e] && self.group(first) == self.group(first + 1)
-                    }
-                    _ => false,
-                };
-            if !sound {
-                return Err(MeshError::Face { face });
-            }
-            next = end;
-        }
-        if next != self.triangles.len() {
-            return Err(MeshError::Face { face: faces.len() });
-        }
-        Ok(Self { faces: Some(faces.into()), ..self })
     }
 
     /// The same mesh, whose vertices move: on straight lines from where they are now, at the opening of the shutter, through
@@ -181,27 +147,16 @@ impl Mesh {
             |key: &Key| Key { positions: moved(&key.positions), normals: key.normals.as_ref().map(turned) };
         Self {
             positions: moved(&self.positions),
-            triangles: if mirrored { self.turned_over() } else { self.triangles.clone() },
+            triangles: self
+                .triangles
+                .iter()
+                .map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] })
+                .collect(),
             normals: self.normals.as_ref().map(turned),
             uvs: self.uvs.clone(),
             groups: self.groups.clone(),
-            faces: self.faces.clone(),
             later: self.later.iter().map(key).collect(),
         }
-    }
-
-    /// The triangles with the other side outside; the two of a face stay `[a, b, c]` and `[a, c, d]`.
-    fn turned_over(&self) -> Arc<[[u32; 3]]> {
-        let mut triangles: Vec<[u32; 3]> = self.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect();
-        let faces = self.faces.as_deref().unwrap_or(&[]);
-        for pair in
-            faces.iter().zip(faces.iter().skip(1).copied().chain([crate::geometry::count(triangles.len())]))
-        {
-            if pair.1 - pair.0 == 2 {
-                triangles.swap(*pair.0 as usize, *pair.0 as usize + 1);
-            }
-        }
-        triangles.into()
     }
 
     /// Vertex positions.
@@ -214,12 +169,6 @@ impl Mesh {
     #[must_use]
     pub fn triangles(&self) -> &Arc<[[u32; 3]]> {
         &self.triangles
-    }
-
-    /// The first triangle of each face, where faces were told.
-    #[must_use]
-    pub fn faces(&self) -> Option<&Arc<[u32]>> {
-        self.faces.as_ref()
     }
 
     /// How many keys the motion of the vertices has; 1 where they stay.
@@ -368,7 +317,6 @@ impl Mesh {
             + self.normals.as_deref().map_or(0, bytes)
             + self.uvs.as_deref().map_or(0, bytes)
             + self.groups.as_deref().map_or(0, bytes)
-            + self.faces.as_deref().map_or(0, bytes)
             + later.flatten().map(|array| bytes(array)).sum::<usize>()
     }
 }
@@ -430,21 +378,5 @@ mod tests {
         assert!(matches!(bad, Err(MeshError::Length { .. })), "normals at a later key only");
         let bad = mesh().with_keys(vec![(CORNERS.to_vec(), None); 129]);
         assert_eq!(bad, Err(MeshError::Keys { found: 130, most: 129 }), "too many keys");
-    }
-
-    #[test]
-    fn faces_are_triangles_or_pairs_and_stay_so_when_mirrored() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y, Vec3::Z].to_vec();
-        let triangles = vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]];
-        let mesh = Mesh::new(positions, triangles).expect("good");
-        let faced = mesh.clone().with_faces(vec![0, 2]).expect("a quad and a triangle");
-        let mirror = Transform::new(glam::Affine3A::from_scale(-Vec3::ONE)).expect("invertible");
-        let mirrored = faced.transformed(&mirror);
-        assert!(mirrored.clone().with_faces(vec![0, 2]).is_ok(), "{:?}", mirrored.triangles());
-        let [a, b, c] = mirrored.corners(0);
-        assert!((b - a).cross(c - a).z < 0.0, "what was below is outside");
-        for bad in [vec![0, 1, 3], vec![0], vec![1], vec![], vec![0, 3]] {
-            assert!(matches!(mesh.clone().with_faces(bad.clone()), Err(MeshError::Face { .. })), "{bad:?}");
-        }
     }
 }

@@ -10,11 +10,14 @@ use specula::geometry::{Hit, Ray, World};
 use specula::math::Aabb;
 use std::sync::Arc;
 
+/// Answers to rays by every kind of query.
+type Ask = Box<dyn Fn(&[Ray]) -> Vec<Answers>>;
+
 /// A backend built from a world.
 pub(crate) struct Backend {
     pub(crate) name: &'static str,
     pub(crate) bounds: Aabb,
-    ask: Box<dyn Fn(&[Ray]) -> Vec<Answers>>,
+    ask: Ask,
 }
 
 impl Backend {

@@ -90,7 +90,7 @@ impl Body {
     }
 
     /// Distance from the nearest edge or tip.
-    pub(crate) fn from_edge(&self, p: DVec3) -> f64 {
+    pub(crate) fn distance_to_edge(&self, p: DVec3) -> f64 {
         match self.measures {
             Measures::Frustum(half, [a, b], _) => {
                 let q = self.polar(p);

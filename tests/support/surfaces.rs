@@ -110,9 +110,8 @@ pub(crate) fn breathing(size: f32, keys: usize, drift: f32) -> Mesh {
         all
     };
     let at = |i: u16, j: u16| 2 + u32::from((j - 1) * AROUND + i % AROUND);
-    let (mut triangles, mut faces) = (Vec::new(), Vec::new());
+    let mut triangles = Vec::new();
     let mut face = |corners: &[u32]| {
-        faces.push(u32::try_from(triangles.len()).expect("few"));
         triangles.extend(corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]));
     };
     for i in 0..AROUND {
@@ -120,7 +119,7 @@ pub(crate) fn breathing(size: f32, keys: usize, drift: f32) -> Mesh {
         (1..UP - 1).for_each(|j| face(&[at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)]));
         face(&[1, at(i + 1, UP - 1), at(i, UP - 1)]);
     }
-    let mesh = Mesh::new(positions(0), triangles).expect("good").with_faces(faces).expect("quads");
+    let mesh = Mesh::new(positions(0), triangles).expect("good");
     mesh.with_keys((1..keys).map(|key| (positions(key), None)).collect()).expect("good")
 }
 

@@ -5,6 +5,7 @@
 //! must have been met within rounding of its boundary. Otherwise it is wrong.
 
 #![allow(dead_code, reason = "each test program uses a part")]
+#![expect(clippy::cast_possible_truncation, reason = "computed in double precision, used in single")]
 
 use glam::Vec3;
 use specula::accel::{Accel, Brute};
@@ -157,9 +158,9 @@ impl<'a> Met<'a> {
                 let n = across.normalize_or_zero().as_vec3();
                 // Kernels that take the origin from the corners first know the normal no better than those differences.
                 let height = across.length() as f32 / e1.length().max(e2.length());
-                // On the diagonal of a face either half may be named, and the other's normal told.
-                let on_diagonal = mesh.faces().is_some() && u.min(v).min(1.0 - u - v) < 1e-5;
-                let is_known = self.rounding < 1e-2 * height && !on_diagonal;
+                // On the diagonal of a quad either half may be named, and the other's normal told.
+                let on_edge = u.min(v).min(1.0 - u - v) < 1e-5;
+                let is_known = self.rounding < 1e-2 * height && !on_edge;
                 // Parameters are known to their own rounding, which large triangles make much of.
                 let slack = slack + f32::EPSILON * (a.length() + e1.length() + e2.length());
                 inside && (named - self.p).length() <= slack && (!is_known || !off(n))

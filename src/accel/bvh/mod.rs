@@ -144,20 +144,19 @@ impl<H: Hierarchy> BvhAccel<H> {
     /// the error of its distance.
     #[cold]
     fn search_from_near<const ANY: bool>(&self, ray: &Ray, nearest: Option<Hit>, start: f64) -> Option<Hit> {
-        let shifted = |t: f32| (f64::from(t) - start) as f32;
+        #[expect(clippy::cast_possible_truncation, reason = "ray parameters are in single precision")]
+        let shifted = |t: f32, by: f64| (f64::from(t) + by) as f32;
         let o = (ray.o.as_dvec3() + ray.d.as_dvec3() * start).as_vec3();
         let mut near = *ray;
         near.o = o;
-        near.t_min = shifted(ray.t_min).max(0.0);
-        near.t_max = shifted(nearest.as_ref().map_or(ray.t_max, |hit| hit.t));
+        near.t_min = shifted(ray.t_min, -start).max(0.0);
+        near.t_max = shifted(nearest.as_ref().map_or(ray.t_max, |hit| hit.t), -start);
         let (Some(tree), true) = (&self.outer.tree, near.is_traceable()) else { return nearest };
         let mut search = Search { accel: self, rest: near, nearest: None };
         let Some(way) = tree.enter(&near) else { return nearest };
         tree.search::<ANY>(&way, |place| search.visit::<ANY>(self.outer.order[place]));
-        let found = search.nearest.map(|hit| {
-            let t = (f64::from(hit.t) + start) as f32;
-            Hit { t: t.clamp(ray.t_min, ray.t_max), ..hit }
-        });
+        let restored = |hit: Hit| Hit { t: shifted(hit.t, start).clamp(ray.t_min, ray.t_max), ..hit };
+        let found = search.nearest.map(restored);
         found.or(nearest)
     }
 }

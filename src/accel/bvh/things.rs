@@ -19,7 +19,8 @@ impl<H: Hierarchy> Things<H> {
     pub(super) fn build(mut boxes: Vec<Aabb>, options: &Options) -> Self {
         let mut loose = Vec::new();
         for (i, aabb) in (0..).zip(&mut boxes) {
-            if !aabb.is_empty() && !(aabb.min.is_finite() && aabb.max.is_finite()) {
+            let is_finite = aabb.min.is_finite() && aabb.max.is_finite();
+            if !is_finite && !aabb.is_empty() {
                 loose.push(i);
                 *aabb = Aabb::EMPTY;
             }

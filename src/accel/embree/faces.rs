@@ -17,10 +17,21 @@ pub(super) struct Faces {
 }
 
 impl Faces {
-    /// The faces of a mesh that tells them.
+    /// The faces of a mesh: two triangles `[a, b, c]` and `[a, c, d]` in a row are one, as loaders cut quads and most programs
+    /// write them. `None` if there is no pair.
     pub(super) fn of(mesh: &Mesh) -> Option<Self> {
-        let end = u32::try_from(mesh.triangles().len()).ok()?;
-        Some(Self { first: mesh.faces()?.clone(), end })
+        let triangles = mesh.triangles();
+        let end = u32::try_from(triangles.len()).ok()?;
+        let is_pair = |first: u32| match triangles.get(first as usize..first as usize + 2) {
+            Some(&[[a, _, c], [d, e, _]]) => [a, c] == [d, e],
+            _ => false,
+        };
+        let (mut first, mut next) = (Vec::new(), 0);
+        while next < end {
+            first.push(next);
+            next += if is_pair(next) { 2 } else { 1 };
+        }
+        (first.len() < triangles.len()).then(|| Self { first: first.into(), end })
     }
 
     /// Whether a face has two triangles.
@@ -60,9 +71,8 @@ mod tests {
     #[test]
     fn both_halves_of_a_quad_are_found() {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.5, 0.0), Vec3::Y, Vec3::Z];
-        let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3], [0, 3, 4]]).expect("good");
-        let mesh = mesh.with_faces(vec![0, 2]).expect("a quad and a triangle");
-        let faces = Faces::of(&mesh).expect("told");
+        let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3], [0, 4, 3]]).expect("good");
+        let faces = Faces::of(&mesh).expect("a quad and a triangle");
         let quads = faces.quads(mesh.triangles());
         assert_eq!(*quads, [[1, 2, 3, 0], [3, 4, 0, 0]], "indices");
         let at = |i: u32| mesh.positions()[i as usize];

@@ -63,8 +63,8 @@ pub(super) enum Primitives {
 }
 
 impl MeshArrays {
-    /// Copies the positions of a mesh, and shares its triangles; `quads` joins the two triangles of a face to one
-    /// primitive, where the mesh tells its faces. Hits name triangles all the same.
+    /// Copies the positions of a mesh, and shares its triangles; `quads` joins two triangles in a row to one primitive
+    /// where they can be halves of a quad. Hits name triangles all the same.
     #[must_use]
     pub fn new(mesh: &Mesh, quads: bool) -> Self {
         let keys = (0..mesh.key_count()).map(|key| Vertices::from(&mesh.key_positions(key)[..])).collect();

@@ -25,7 +25,8 @@ pub struct SceneOptions {
     pub compact: bool,
     /// Prefer quick rebuilds after [`super::Scene::reopen`].
     pub dynamic: bool,
-    /// Hold the two triangles of a face as one quad, where a mesh tells its faces: read where meshes are made.
+    /// Hold two triangles in a row as one quad where they can be its halves: read where meshes are made. Builds in half the
+    /// time, saves a fifth to a third of the memory, and slows coherent packets.
     pub quads: bool,
 }
 

@@ -5,8 +5,6 @@
 pub enum Capability {
     /// Triangles of meshes.
     Triangles,
-    /// Faces of four corners.
-    Quads,
     /// Spheres.
     Spheres,
     /// Discs.
@@ -45,9 +43,8 @@ pub enum Capability {
 
 impl Capability {
     /// All of them: shapes first, then materials, then lights, then the camera.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 18] = [
         Self::Triangles,
-        Self::Quads,
         Self::Spheres,
         Self::Discs,
         Self::Surfaces,
@@ -68,8 +65,7 @@ impl Capability {
     ];
 
     /// The kinds of geometry among them.
-    pub const GEOMETRIES: [Self; 5] =
-        [Self::Triangles, Self::Quads, Self::Spheres, Self::Discs, Self::Surfaces];
+    pub const GEOMETRIES: [Self; 4] = [Self::Triangles, Self::Spheres, Self::Discs, Self::Surfaces];
 
     /// Its name.
     #[must_use]
@@ -92,7 +88,6 @@ impl Capability {
     fn texts(self) -> [&'static str; 3] {
         match self {
             Self::Triangles => ["triangles", "triangle geometry", "no triangle geometry"],
-            Self::Quads => ["quads", "pairs of triangles that Embree holds as quads", "no quad geometry"],
             Self::Spheres => ["spheres", "Embree's own spheres", "no sphere geometry"],
             Self::Discs => ["discs", "Embree's own oriented discs", "no disc geometry"],
             Self::Surfaces => {

@@ -122,10 +122,7 @@ impl Count {
     fn shape(&mut self, shape: &Shape, origin: Option<&Place>) {
         match shape {
             Shape::Mesh(mesh) => {
-                let triangles = mesh.triangles().len();
-                let quads = mesh.faces().map_or(0, |faces| triangles - faces.len());
-                self.add(Capability::Triangles, triangles - 2 * quads, origin);
-                self.add(Capability::Quads, quads, origin);
+                self.add(Capability::Triangles, mesh.triangles().len(), origin);
                 self.add(Capability::ShadingNormals, usize::from(mesh.has_normals()), origin);
                 self.add(Capability::SurfaceParameters, usize::from(mesh.has_uvs()), origin);
                 self.add(Capability::MovingVertices, usize::from(mesh.key_count() > 1), origin);

@@ -148,7 +148,7 @@ impl Content {
         let mut turned = false;
         for _ in 0..length {
             let number = source.number(scalar)?;
-            if number == -1.0 {
+            if whole(-number) == Some(1) {
                 (latest, turned) = ([None; 2], false);
                 continue;
             }
@@ -214,7 +214,12 @@ fn list_length(source: &mut impl Source, length: Scalar, scalar: Scalar) -> Resu
 
 /// A number that is whole and from 0.
 #[inline]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked right after")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    reason = "whole numbers are exact, which is checked"
+)]
 fn whole(number: f64) -> Option<u32> {
     let whole = number as u32;
     (f64::from(whole) == number).then_some(whole)
