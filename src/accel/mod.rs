@@ -3,6 +3,41 @@
 //! [`Accel`] answers closest-hit and any-hit queries for one ray, for packets and for streams. A backend must
 //! write the single queries; packets and streams have plain default bodies on top of them, so callers may not assume
 //! that a packet or a stream is faster. All kinds of query give the same answers but for ties on shared edges.
+//!
+//! ```
+//! use glam::Vec3;
+//! use specula::accel::{Accel, Brute, Bvh2Accel, CwBvhAccel, HitStream, RayStream, Coherence};
+//! use specula::accel::embree::{BuildOptions, EmbreeAccel};
+//! use specula::geometry::{Mesh, Ray, Shape, World};
+//! use std::sync::Arc;
+//!
+//! let corners = vec![Vec3::new(-1.0, -1.0, 0.0), Vec3::new(1.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+//! let mut world = World::default();
+//! let triangle = world.add_shape(Shape::Mesh(Mesh::new(corners, vec![[0, 1, 2]])?));
+//! world.place(triangle, None);
+//! let world = Arc::new(world);
+//!
+//! fn trace(accel: &impl Accel) -> [f32; 2] {
+//!     let ray = Ray::new(Vec3::new(0.1, 0.0, 3.0), -Vec3::Z);
+//!     let hit = accel.intersect(&ray).expect("the triangle is in the way");
+//!     assert!(accel.occluded(&ray) && !accel.occluded(&ray.until(2.5)));
+//!     let (mut rays, mut hits) = (RayStream::default(), HitStream::default());
+//!     rays.extend([&ray; 100]);
+//!     accel.intersect_stream(&rays, &mut hits, Coherence::Coherent);
+//!     assert!((0..100).all(|i| hits.get(i).is_some_and(|found| (found.t - hit.t).abs() < 1e-5)));
+//!     [hit.u, hit.v]
+//! }
+//!
+//! let [u, v] = trace(&EmbreeAccel::build(&world, &BuildOptions::default())?);
+//! for [other_u, other_v] in [
+//!     trace(&Bvh2Accel::build(&world, &Default::default())),
+//!     trace(&CwBvhAccel::build(&world, &Default::default())),
+//!     trace(&Brute::new(world)),
+//! ] {
+//!     assert!((u - other_u).abs() < 1e-6 && (v - other_v).abs() < 1e-6);
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 pub mod brute;
 pub mod bvh;

@@ -74,7 +74,7 @@ mod tests {
         let mesh = Mesh::new(positions, vec![[0, 1, 2], [0, 2, 3], [0, 4, 3]]).expect("good");
         let faces = Faces::of(&mesh).expect("a quad and a triangle");
         let quads = faces.quads(mesh.triangles());
-        assert_eq!(*quads, [[1, 2, 3, 0], [3, 4, 0, 0]], "indices");
+        assert_eq!(*quads, [[1, 2, 3, 0], [4, 3, 0, 0]], "indices");
         let at = |i: u32| mesh.positions()[i as usize];
         for (face, [u, v]) in
             [(0, [0.25, 0.5]), (0, [0.75, 0.625]), (0, [1.0, 1.0]), (0, [0.0, 0.0]), (1, [0.5, 0.25])]
