@@ -82,7 +82,7 @@ fn channels(film: &Film) -> Vec<Vec<u32>> {
 
 #[test]
 fn threads_and_crops_do_not_change_a_bit() {
-    for sampler in ["sobol", "independent"] {
+    for sampler in ["sobol", "independent", "stratified", "blue_noise"] {
         let scene = scene_of(&SCENE.replace("spp = 5", &format!("spp = 5\n    sampler = \"{sampler}\"")));
         let whole = bits(&scene, 1, None);
         assert_eq!(bits(&scene, 1, None), whole, "{sampler}: a second time");

@@ -1,19 +1,20 @@
-//! Laws of the number sets, over all kinds of sampler: repeatable, stratified, convergent, uncorrelated.
+//! Laws of the number sets, over all kinds of sampler: repeatable, stratified, uniform, uncorrelated. Their errors have laws of
+//! their own, in `sampler_errors.rs`.
 //!
 //! Seeds are fixed. Each statistical test states its significance and how it corrects for the number of comparisons.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small non-negative numbers")]
 #![expect(clippy::float_cmp, reason = "numbers repeat exactly")]
 
+#[path = "support/samplers.rs"]
+mod samplers;
 #[path = "support/statistics.rs"]
 mod statistics;
 
+use samplers::kinds;
 use specula::math::lanes::{IntLanes, Isa, Kernel, Lanes, Level, Wrapping};
 use specula::sampling::sobol::sobol_2d_rev;
-use specula::sampling::{AnySampler, Dim, OwenSobol, Sampler, SamplerKind, Vertex, hash};
-
-const KINDS: [SamplerKind; 3] =
-    [SamplerKind::Independent, SamplerKind::OwenSobol, SamplerKind::OwenSobolBlocks { log2_spp: 4 }];
+use specula::sampling::{AnySampler, Dim, Sampler, SamplerKind, Stratified, Vertex, hash};
 
 const DIMS: [Dim; 9] = [
     Dim::Film,
@@ -56,15 +57,15 @@ fn numbers<S: Sampler<I = u32>>(sampler: S, backwards: bool) -> Vec<f32> {
 
 #[test]
 fn asking_again_in_any_order_repeats() {
-    for kind in KINDS {
+    for kind in kinds(16) {
         let sampler = kind.start(7, [123, 45], 6_u32);
         let first = numbers(sampler, false);
         assert_eq!(first, numbers(sampler, true), "{kind:?}: backwards");
         assert_eq!(first, numbers(kind.start(7, [123, 45], 6_u32), false), "{kind:?}: another sampler");
         for (what, other) in [
             ("seed", kind.start(8, [123, 45], 6_u32)),
-            ("x", kind.start(7, [125, 45], 6)),
-            ("y", kind.start(7, [123, 47], 6)),
+            ("x", kind.start(7, [124, 45], 6)),
+            ("y", kind.start(7, [123, 46], 6)),
             ("index", kind.start(7, [123, 45], 7)),
         ] {
             let same = numbers(other, false).iter().zip(&first).filter(|(a, b)| a == b).count();
@@ -75,7 +76,7 @@ fn asking_again_in_any_order_repeats() {
 
 #[test]
 fn numbers_stay_below_one() {
-    for kind in KINDS {
+    for kind in kinds(16) {
         for index in 0..20_000 {
             for x in kind.start(1, [3, 4], index).get_2d(Dim::Film, Vertex::ROOT) {
                 let steps = x * 16_777_216.0;
@@ -113,7 +114,7 @@ impl<S: Isa> Kernel<S> for Wide {
 
 #[test]
 fn every_width_draws_the_same_numbers() {
-    for kind in KINDS {
+    for kind in kinds(16) {
         let expected: Vec<_> = (0..16_u32)
             .map(|lane| {
                 let sampler = kind.start(11, [lane, lane ^ 5], lane * 3);
@@ -159,17 +160,22 @@ fn sobol_points_are_nets() {
     }
 }
 
+/// The kinds that are nets, for 2^m samples.
+fn nets(m: u32) -> [SamplerKind; 2] {
+    [SamplerKind::OwenSobol, SamplerKind::BlueNoise { spp: 1 << m }]
+}
+
 #[test]
 fn scrambled_points_are_nets() {
     for vertex in vertices() {
         for dim in DIMS {
-            for m in [0, 1, 4, 7, 10] {
-                for block in [0, 3] {
+            for (m, block) in [0, 1, 4, 7, 10].into_iter().flat_map(|m| [(m, 0), (m, 3)]) {
+                for kind in nets(m) {
                     let points: Vec<_> = (0..1_u32 << m)
-                        .map(|i| OwenSobol::start(3, [7, 9], (block << m) + i).get_2d(dim, vertex))
+                        .map(|i| kind.start(3, [7, 9], (block << m) + i).get_2d(dim, vertex))
                         .map(fractions)
                         .collect();
-                    assert_net(&points, "scrambled");
+                    assert_net(&points, &format!("{kind:?}"));
                 }
             }
         }
@@ -177,184 +183,127 @@ fn scrambled_points_are_nets() {
 }
 
 #[test]
+fn the_first_samples_are_a_net_too() {
+    for kind in nets(10) {
+        for m in 0..10 {
+            let points: Vec<_> = (0..1_u32 << m)
+                .map(|i| fractions(kind.start(3, [7, 9], i).get_2d(Dim::Lens, Vertex::ROOT)))
+                .collect();
+            assert_net(&points, &format!("{kind:?}"));
+        }
+    }
+}
+
+#[test]
 fn split_samples_are_nets_together() {
-    let points: Vec<_> = (0..64_u32)
-        .flat_map(|i| (0..8).map(move |j| (i, j)))
-        .map(|(i, j)| OwenSobol::start(3, [7, 9], i).get_2d_split(Dim::LobeDirection, Vertex::ROOT, j, 8))
-        .map(fractions)
-        .collect();
-    assert_net(&points, "64 samples split in 8");
+    for kind in nets(6) {
+        let points: Vec<_> = (0..64_u32)
+            .flat_map(|i| (0..8).map(move |j| (i, j)))
+            .map(|(i, j)| kind.start(3, [7, 9], i).get_2d_split(Dim::LobeDirection, Vertex::ROOT, j, 8))
+            .map(fractions)
+            .collect();
+        assert_net(&points, &format!("{kind:?}, 64 samples split in 8"));
+    }
+}
+
+/// Fails unless each of `n` numbers has one of `cells` equal cells for itself. Edges of cells are rounded down to numbers.
+fn assert_apart(numbers: impl IntoIterator<Item = f32>, cells: u32, what: &str) {
+    let mut seen = vec![false; cells as usize];
+    for x in numbers {
+        let cell = (f64::from(x) + 0.999 / 16_777_216.0) * f64::from(cells);
+        assert!(!std::mem::replace(&mut seen[cell as usize], true), "{what}: {x} is second in {cell}");
+    }
 }
 
 #[test]
 fn one_number_is_stratified_too() {
     for dim in DIMS {
-        for m in [0_u32, 3, 8, 11] {
-            let n = 1_u32 << m;
-            let mut cells: Vec<_> = (0..n)
-                .map(|i| OwenSobol::start(3, [7, 9], i).get_1d(dim, Vertex::ROOT))
-                .map(|x| (x * n as f32) as u32)
-                .collect();
-            cells.sort_unstable();
-            assert!(cells.into_iter().eq(0..n), "{dim:?} with {n} samples");
+        for n in [1_u32, 8, 256, 2048] {
+            for kind in kinds(n).into_iter().filter(|kind| *kind != SamplerKind::Independent) {
+                let numbers = (0..n).map(|i| kind.start(3, [7, 9], i).get_1d(dim, Vertex::ROOT));
+                assert_apart(numbers, n, &format!("{kind:?}, {dim:?}"));
+            }
         }
     }
 }
 
-#[test]
-fn pixels_of_a_block_share_a_net() {
-    let kind = SamplerKind::OwenSobolBlocks { log2_spp: 4 };
-    let pixel = |x, y| {
-        let numbers = move |i: u32| kind.start(3, [x, y], i).get_2d(Dim::Lens, Vertex::ROOT);
-        (0..16).map(move |i| fractions(numbers(i)))
-    };
-    let mut all = Vec::new();
-    for [x, y] in [[6, 8], [7, 8], [6, 9], [7, 9]] {
-        assert_net(&pixel(x, y).collect::<Vec<_>>(), "one pixel");
-        all.extend(pixel(x, y));
-    }
-    assert_net(&all, "four pixels");
-    let mut indices: Vec<_> = (0..1024_u32)
-        .flat_map(|i| [[0, 0], [1, 0], [0, 1], [1, 1]].map(|p| kind.start(0, p, i)))
-        .map(|s| fractions(s.get_2d(Dim::Lens, Vertex::ROOT)))
-        .collect();
-    indices.sort_unstable();
-    indices.dedup();
-    assert!(
-        indices.len() > 4090,
-        "beyond the set too, no point of a block recurs: {} of 4096",
-        indices.len()
-    );
-}
-
-const TRIALS: u32 = 1000;
-const SIZES: [u32; 5] = [16, 64, 256, 1024, 4096];
-
-/// A root mean square error over [`TRIALS`], and its relative standard error.
-#[derive(Clone, Copy, Debug)]
-struct Rms {
-    value: f64,
-    relative: f64,
-}
-
-/// The error of the mean of `f` over the first `n` points of a set; `points` gives point `i` of the set of a trial.
-fn rms(n: u32, points: impl Fn(u32, u32) -> [f64; 2], f: fn(f64, f64) -> f64, exact: f64) -> Rms {
-    let (mut m2, mut m4) = (0.0, 0.0);
-    for trial in 0..TRIALS {
-        let sum: f64 = (0..n).map(|i| points(trial, i)).map(|[x, y]| f(x, y)).sum();
-        let error2 = (sum / f64::from(n) - exact).powi(2);
-        m2 += error2 / f64::from(TRIALS);
-        m4 += error2 * error2 / f64::from(TRIALS);
-    }
-    Rms { value: m2.sqrt(), relative: 0.5 * ((m4 / (m2 * m2) - 1.0) / f64::from(TRIALS)).sqrt() }
-}
-
-/// Points of a sampler, one pixel for each trial.
-fn of_kind(kind: SamplerKind) -> impl Fn(u32, u32) -> [f64; 2] {
-    move |trial, i| {
-        let u = kind.start(1, [trial, 0], i).get_2d(Dim::LightPoint(0), Vertex::ROOT);
-        // Numbers stand for cells of 2^-24: their centres keep the truncation out of the errors.
-        u.map(|x| f64::from(x) + 0.5 / 16_777_216.0)
-    }
-}
-
-/// The definition, digit by digit: whether a digit flips is drawn from 64 bits of hash for each setting of those
-/// before it. Slow, and what the hash in the library approximates.
-fn nested_scrambling(trial: u32, i: u32) -> [f64; 2] {
-    let mix = |x: u64| {
-        let x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-        let x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
-        x ^ (x >> 32)
-    };
-    let scramble = |x_rev: u32, seed: u64| {
-        let mut value = 0.5 / 1_073_741_824.0;
-        for digit in 0..30 {
-            let before = u64::from(x_rev) & ((1 << digit) - 1);
-            let flip = mix(mix(mix(seed).wrapping_add(before)).wrapping_add(digit)) >> 17;
-            let bit = (u64::from(x_rev) >> digit ^ flip) & 1;
-            value += bit as f64 * 0.5_f64.powi(digit as i32 + 1);
-        }
-        value
-    };
-    let [x, y] = sobol_2d_rev(i);
-    [scramble(x, u64::from(trial) * 2 + 1000), scramble(y, u64::from(trial) * 2 + 1001)]
-}
-
-fn smooth(x: f64, y: f64) -> f64 {
-    (x + y).exp()
-}
-
-fn quarter_disc(x: f64, y: f64) -> f64 {
-    f64::from(u8::from(x * x + y * y < 0.5))
-}
-
-/// Slope of the logarithm of the error, divided by `scale(N)`, in log N.
-fn slope(errors: &[Rms], scale: fn(f64) -> f64) -> f64 {
-    let points: Vec<_> = SIZES
-        .map(f64::from)
-        .into_iter()
-        .zip(errors)
-        .map(|(n, e)| (n.ln(), (e.value / scale(n)).ln()))
-        .collect();
-    statistics::slope(&points)
-}
-
-/// Fails if two errors differ by more than 3.3 standard errors: a significance of 0.001, and of 0.016 for the 16
-/// comparisons of this file together.
-fn assert_agree(a: Rms, b: Rms, what: &str) {
-    let ratio = a.value / b.value;
-    let tolerance = 3.3 * a.relative.hypot(b.relative);
-    assert!((ratio - 1.0).abs() < tolerance, "{what}: {a:?} is {ratio:.3} of {b:?}");
-}
-
-const EXACT_SMOOTH: f64 = 2.952_492_442_012_559_3;
-const EXACT_DISC: f64 = std::f64::consts::PI / 8.0;
-
-#[test]
-fn independent_errors_are_those_of_the_variance() {
-    let second_moment = ((2.0_f64.exp() - 1.0) / 2.0).powi(2);
-    for (name, f, exact, variance) in [
-        ("smooth", smooth as fn(f64, f64) -> f64, EXACT_SMOOTH, second_moment - EXACT_SMOOTH.powi(2)),
-        ("edge", quarter_disc, EXACT_DISC, EXACT_DISC * (1.0 - EXACT_DISC)),
+/// Fails unless all cells of the grid have points, and all strata of each axis: exactly one each if the grid has as many
+/// cells as there are points.
+fn assert_strata(points: &[[f32; 2]], what: &str) {
+    let n = points.len() as u32;
+    let root = n.isqrt();
+    // A divisor, if there is one that keeps cells from being slim.
+    let columns = (root.div_ceil(2)..=root).rev().find(|c| n % c == 0).unwrap_or(root);
+    let rows = n / columns;
+    let cells = columns * rows;
+    // Edges of cells are rounded down to numbers.
+    let at = |x: f32, cells: u32| ((f64::from(x) + 0.999 / 16_777_216.0) * f64::from(cells)) as u32;
+    for (name, cell) in [
+        ("x", &(|[x, _]: [f32; 2]| at(x, cells)) as &dyn Fn([f32; 2]) -> u32),
+        ("y", &|[_, y]| at(y, cells)),
+        ("grid", &|[x, y]| at(x, columns) + columns * at(y, rows)),
     ] {
-        let errors = SIZES.map(|n| rms(n, of_kind(SamplerKind::Independent), f, exact));
-        println!("independent, {name}: {errors:?}");
-        for (n, error) in SIZES.into_iter().zip(errors) {
-            let expected = Rms { value: (variance / f64::from(n)).sqrt(), relative: 0.0 };
-            assert_agree(error, expected, &format!("{name}, {n} samples"));
-        }
-        let slope = slope(&errors, |_| 1.0);
-        assert!((slope + 0.5).abs() < 0.03, "{name}: slope {slope}");
+        let mut found: Vec<_> = points.iter().map(|u| cell(*u)).collect();
+        found.sort_unstable();
+        found.dedup();
+        assert!(found.into_iter().eq(0..cells), "{what}: {name} of {columns} x {rows}");
     }
 }
 
 #[test]
-fn scrambled_errors_are_those_of_nested_scrambling() {
-    for (name, f, exact) in
-        [("smooth", smooth as fn(f64, f64) -> f64, EXACT_SMOOTH), ("edge", quarter_disc, EXACT_DISC)]
-    {
-        for n in [16, 256, 1024] {
-            let hashed = rms(n, of_kind(SamplerKind::OwenSobol), f, exact);
-            let defined = rms(n, nested_scrambling, f, exact);
-            println!("{name}, {n} samples: {hashed:?} against {defined:?}");
-            assert_agree(hashed, defined, &format!("{name}, {n} samples"));
+fn any_number_of_samples_is_stratified() {
+    for n in (1..40).chain([64, 97, 100, 255, 256, 1000, 4096]) {
+        for set in [0, 2] {
+            let kind = SamplerKind::Stratified { spp: n };
+            let start = move |i| kind.start(3, [7, 9], set * n + i);
+            let points: Vec<_> = (0..n).map(|i| start(i).get_2d(Dim::Lens, Vertex::ROOT)).collect();
+            assert_strata(&points, &format!("set {set} of {n}"));
+            let numbers = (0..n).map(|i| start(i).get_1d(Dim::Time, Vertex::ROOT));
+            assert_apart(numbers, n, &format!("set {set} of {n}: one number"));
         }
     }
 }
 
-/// Owen 1997: the variance for smooth integrands of d variables falls as N^-3 (log N)^(d-1). Across an edge in the plane,
-/// about N^1/2 of the N cells are cut, each adding a variance of the order of N^-2: N^-3/4.
 #[test]
-fn scrambled_errors_fall_as_theory_says() {
-    let smooth = SIZES.map(|n| rms(n, of_kind(SamplerKind::OwenSobol), smooth, EXACT_SMOOTH));
-    let edge = SIZES.map(|n| rms(n, of_kind(SamplerKind::OwenSobol), quarter_disc, EXACT_DISC));
-    println!("Owen-Sobol, smooth: {smooth:?}\nedge: {edge:?}");
-    // Each slope has a standard error of 0.006; the rest is room for terms of higher order.
-    let slope_smooth = slope(&smooth, |n| n.ln().sqrt());
-    assert!((slope_smooth + 1.5).abs() < 0.06, "smooth: slope {slope_smooth}");
-    let slope_edge = slope(&edge, |_| 1.0);
-    assert!((slope_edge + 0.75).abs() < 0.04, "edge: slope {slope_edge}");
-    assert!(smooth[4].value < 1e-3 * (1.488_f64 / 4096.0).sqrt(), "1000 times less than independent numbers");
+fn split_samples_are_strata_together() {
+    for (n, k) in [(16, 4), (10, 3), (7, 1), (1, 12)] {
+        let points: Vec<_> = (0..n)
+            .flat_map(|i| (0..k).map(move |j| (i, j)))
+            .map(|(i, j)| {
+                Stratified::start(3, [7_u32, 9], i, n).get_2d_split(Dim::LobeDirection, Vertex::ROOT, j, k)
+            })
+            .collect();
+        assert_strata(&points, &format!("{n} samples split in {k}"));
+    }
+}
+
+/// What makes the errors of neighbours cancel.
+#[test]
+fn aligned_blocks_of_pixels_share_a_net() {
+    for (m, log2_edge) in [(0, 5), (2, 1), (3, 2), (4, 3)] {
+        let kind = SamplerKind::BlueNoise { spp: 1 << m };
+        for dim in DIMS {
+            let edge = 1 << log2_edge;
+            let pixels = (0..edge * edge).map(|p| [3 * edge + p % edge, 1000 * edge + p / edge]);
+            let points: Vec<_> = pixels
+                .flat_map(|p| (0..1_u32 << m).map(move |i| kind.start(3, p, i)))
+                .map(|s| fractions(s.get_2d(dim, Vertex::ROOT.child(1))))
+                .collect();
+            assert_net(&points, &format!("{edge} x {edge} pixels, {dim:?}"));
+        }
+    }
+}
+
+/// Where a set is so large that few levels of the tree are left, no pixel repeats another.
+#[test]
+fn large_sets_do_not_repeat() {
+    let kind = SamplerKind::BlueNoise { spp: 1 << 24 };
+    let pixels = (0..64_u32).flat_map(|y| (0..64_u32).map(move |x| [x, y]));
+    let mut all: Vec<_> =
+        pixels.map(|p| kind.start(3, p, 5).get_2d(Dim::Film, Vertex::ROOT).map(f32::to_bits)).collect();
+    all.sort_unstable();
+    all.dedup();
+    assert!(all.len() > 4090, "{} of 4096 pixels differ", all.len());
 }
 
 /// The eight bins of a number, and the probability of chi-square for the joint counts of two series.
@@ -402,10 +351,13 @@ fn series(samplers: &[AnySampler<u32>]) -> Vec<(String, Vec<f32>)> {
 
 #[test]
 fn purposes_are_independent_from_pixel_to_pixel() {
-    for kind in [SamplerKind::Independent, SamplerKind::OwenSobol] {
+    for kind in kinds(11) {
+        // Within a tree, pixels are meant to depend on each other.
+        let distance = if matches!(kind, SamplerKind::BlueNoise { .. }) { 256 } else { 1 };
         for index in [0, 5] {
-            let samplers: Vec<_> =
-                (0..128_u32 * 128).map(|p| kind.start(2, [p % 128, p / 128], index)).collect();
+            let samplers: Vec<_> = (0..128_u32 * 128)
+                .map(|p| kind.start(2, [p % 128 * distance, p / 128 * distance], index))
+                .collect();
             assert_independent(&series(&samplers), &format!("{kind:?}, sample {index}"));
         }
     }
@@ -419,7 +371,7 @@ fn purposes_are_independent_from_sample_to_sample() {
 
 #[test]
 fn neighbours_are_independent() {
-    for kind in [SamplerKind::Independent, SamplerKind::OwenSobol] {
+    for kind in &kinds(11)[..3] {
         for dim in [Dim::Film, Dim::LobeDirection] {
             let mut all = Vec::new();
             for (name, seed, dx, dy, index) in [
@@ -442,26 +394,31 @@ fn neighbours_are_independent() {
     }
 }
 
-/// Within a pixel, two purposes are paired at random, though not like independent numbers: partners in a pair of
-/// samples are opposite in both, which doubles the variance of the coarsest interaction and no more.
+/// Within a pixel, two purposes are paired at random, though not like independent numbers where every prefix is stratified:
+/// partners in a pair of samples are then opposite in both, which doubles the variance of the coarsest interaction and no
+/// more.
 #[test]
 fn padding_costs_at_most_a_factor_of_two() {
     let n = 256;
-    let (mut coarse, mut fine) = (0.0, 0.0);
-    for pixel in 0..2000 {
-        let (mut signs, mut products) = (0.0, 0.0);
-        for i in 0..n {
-            let sampler = OwenSobol::start(5, [pixel, 1], i);
-            let a = f64::from(sampler.get_2d(Dim::LightPoint(0), Vertex::ROOT)[0]) - 0.5;
-            let b = f64::from(sampler.get_2d(Dim::LobeDirection, Vertex::ROOT)[1]) - 0.5;
-            signs += (a * b).signum() / f64::from(n);
-            products += 12.0 * a * b / f64::from(n);
+    for kind in kinds(n) {
+        let (mut coarse, mut fine) = (0.0, 0.0);
+        for pixel in 0..2000 {
+            let (mut signs, mut products) = (0.0, 0.0);
+            for i in 0..n {
+                let sampler = kind.start(5, [pixel * 256, 1], i);
+                let a = f64::from(sampler.get_2d(Dim::LightPoint(0), Vertex::ROOT)[0]) - 0.5;
+                let b = f64::from(sampler.get_2d(Dim::LobeDirection, Vertex::ROOT)[1]) - 0.5;
+                signs += (a * b).signum() / f64::from(n);
+                products += 12.0 * a * b / f64::from(n);
+            }
+            coarse += signs * signs * f64::from(n) / 2000.0;
+            fine += products * products * f64::from(n) / 2000.0;
         }
-        coarse += signs * signs * f64::from(n) / 2000.0;
-        fine += products * products * f64::from(n) / 2000.0;
+        println!("{kind:?}: variance relative to independent numbers {coarse:.3} coarse, {fine:.3} product");
+        let nested = matches!(kind, SamplerKind::OwenSobol | SamplerKind::BlueNoise { .. });
+        let expected = if nested { 2.0 } else { 1.0 };
+        // Standard error of a variance from 2000 trials: 3.2 %; four of them.
+        assert!((coarse / expected - 1.0).abs() < 0.13, "{kind:?}, coarse interaction: {coarse}");
+        assert!(fine < expected * 1.13 && fine > 0.5, "{kind:?}, product: {fine}");
     }
-    println!("variance relative to independent numbers: {coarse:.3} coarse, {fine:.3} product");
-    // Standard error of a variance from 2000 trials: 3.2 %; four of them.
-    assert!((coarse / 2.0 - 1.0).abs() < 0.13, "coarse interaction: {coarse}");
-    assert!(fine < 2.0 * 1.13 && fine > 0.5, "product: {fine}");
 }

@@ -160,6 +160,9 @@ const GOOD: &[&str] = &[
     "[film]\nwidth = 1\nheight = 65536\nfilter = 'box'\nfilter_radius = 0.5\nexposure_ev = -2\ntone = 'clip'",
     "[render]\nintegrator = 'view'\nview = 'cost'\nspp = 1\nmax_depth = 2\nmin_throughput = 0\nbackend = 'brute'\n\
      sampler = 'independent'\nglass_shadows = 'opaque'\nseed = 9223372036854775807",
+    "[render]\nsampler = 'sobol'",
+    "[render]\nsampler = 'stratified'\nspp = 7",
+    "[render]\nsampler = 'blue_noise'",
     "[materials]\na = { type = 'diffuse' }\nb = { type = 'mirror', reflectance = [1, 0, 0.5], emission = 2 }\n\
      c = { type = 'conductor', metal = 'Au', alpha = 0.1 }\nd = { type = 'conductor', eta = 1, k = [1, 2, 3] }\n\
      e = { type = 'conductor', reflectance = 0.9, edge_tint = 1 }\nf = { type = 'dielectric', ior = 1 }\n\
@@ -210,6 +213,7 @@ const BAD: &[&str] = &[
     "[render]\nseed = -1",
     "[render]\nspp = true",
     "[render]\nmin_throughput = 1.5",
+    "[render]\nsampler = 'halton'",
     "[materials]\na = {}",
     "[materials]\na = { type = 'glass' }",
     "[materials]\na = { type = 'diffuse', reflectance = 1.1 }",

@@ -32,10 +32,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
         scene,
         window,
         filter: filter(&scene.film),
-        sampler: match scene.render.sampler {
-            description::Sampler::Sobol => SamplerKind::OwenSobol,
-            description::Sampler::Independent => SamplerKind::Independent,
-        },
+        sampler: sampler(&scene.render),
         #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
         seed: (seed ^ (seed >> 32)) as u32,
         progress,
@@ -128,6 +125,16 @@ fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
         return Err(problem.remedy(format!("stay within 0,0,{width},{height}, upper ends excluded")).into());
     }
     Ok(window)
+}
+
+fn sampler(render: &description::Render) -> SamplerKind {
+    let spp = render.spp;
+    match render.sampler {
+        description::Sampler::Sobol => SamplerKind::OwenSobol,
+        description::Sampler::Independent => SamplerKind::Independent,
+        description::Sampler::Stratified => SamplerKind::Stratified { spp },
+        description::Sampler::BlueNoise => SamplerKind::BlueNoise { spp },
+    }
 }
 
 fn filter(film: &description::Film) -> Filter {

@@ -1,6 +1,6 @@
 //! Samplers chosen at run time, without virtual calls.
 
-use super::{Dim, Independent, OwenSobol, Sampler, Vertex};
+use super::{BlueNoise, Dim, Independent, OwenSobol, Sampler, Stratified, Vertex};
 use crate::math::lanes::IntLanes;
 
 /// A kind of number set, as a user chooses it.
@@ -11,10 +11,15 @@ pub enum SamplerKind {
     /// [`OwenSobol`].
     #[default]
     OwenSobol,
-    /// [`OwenSobol`] shared by 2 x 2 pixels; see [`OwenSobol::start_in_block`].
-    OwenSobolBlocks {
-        /// The samples per pixel that make a set, as a power of two.
-        log2_spp: u32,
+    /// [`Stratified`].
+    Stratified {
+        /// Samples that a pixel gets.
+        spp: u32,
+    },
+    /// [`BlueNoise`].
+    BlueNoise {
+        /// Samples that a pixel gets.
+        spp: u32,
     },
 }
 
@@ -25,9 +30,8 @@ impl SamplerKind {
         match self {
             Self::Independent => AnySampler::Independent(Independent::start(seed, pixel, index)),
             Self::OwenSobol => AnySampler::OwenSobol(OwenSobol::start(seed, pixel, index)),
-            Self::OwenSobolBlocks { log2_spp } => {
-                AnySampler::OwenSobol(OwenSobol::start_in_block(seed, pixel, index, log2_spp))
-            }
+            Self::Stratified { spp } => AnySampler::Stratified(Stratified::start(seed, pixel, index, spp)),
+            Self::BlueNoise { spp } => AnySampler::BlueNoise(BlueNoise::start(seed, pixel, index, spp)),
         }
     }
 }
@@ -39,6 +43,10 @@ pub enum AnySampler<I> {
     Independent(Independent<I>),
     /// Owen-scrambled Sobol pairs.
     OwenSobol(OwenSobol<I>),
+    /// Jittered strata.
+    Stratified(Stratified<I>),
+    /// Owen-scrambled Sobol pairs in a blue-noise arrangement.
+    BlueNoise(BlueNoise<I>),
 }
 
 impl<I: IntLanes> Sampler for AnySampler<I> {
@@ -49,6 +57,8 @@ impl<I: IntLanes> Sampler for AnySampler<I> {
         match self {
             Self::Independent(s) => s.get_1d(dim, vertex),
             Self::OwenSobol(s) => s.get_1d(dim, vertex),
+            Self::Stratified(s) => s.get_1d(dim, vertex),
+            Self::BlueNoise(s) => s.get_1d(dim, vertex),
         }
     }
 
@@ -57,6 +67,8 @@ impl<I: IntLanes> Sampler for AnySampler<I> {
         match self {
             Self::Independent(s) => s.get_2d(dim, vertex),
             Self::OwenSobol(s) => s.get_2d(dim, vertex),
+            Self::Stratified(s) => s.get_2d(dim, vertex),
+            Self::BlueNoise(s) => s.get_2d(dim, vertex),
         }
     }
 
@@ -65,6 +77,8 @@ impl<I: IntLanes> Sampler for AnySampler<I> {
         match self {
             Self::Independent(s) => Self::Independent(s.split(j, k)),
             Self::OwenSobol(s) => Self::OwenSobol(s.split(j, k)),
+            Self::Stratified(s) => Self::Stratified(s.split(j, k)),
+            Self::BlueNoise(s) => Self::BlueNoise(s.split(j, k)),
         }
     }
 
@@ -73,6 +87,8 @@ impl<I: IntLanes> Sampler for AnySampler<I> {
         match self {
             Self::Independent(s) => Self::Independent(s.at_vertices(vertices)),
             Self::OwenSobol(s) => Self::OwenSobol(s.at_vertices(vertices)),
+            Self::Stratified(s) => Self::Stratified(s.at_vertices(vertices)),
+            Self::BlueNoise(s) => Self::BlueNoise(s.at_vertices(vertices)),
         }
     }
 }

@@ -29,6 +29,12 @@ pub fn pixel_key<I: IntLanes>(seed: u32, [x, y]: [I; 2]) -> I {
     combine(combine(x.splat(mix(seed)), x), y)
 }
 
+/// Seed `n` of a key.
+#[inline(always)]
+pub(super) fn seed<I: IntLanes>(key: I, n: u32) -> I {
+    mix(Wrapping::<u32>::wrapping_add(key, GOLDEN.wrapping_mul(n)))
+}
+
 /// 2^32 divided by the golden ratio, rounded to odd: steps that spread well.
 pub(super) const GOLDEN: u32 = 0x9e37_79b9;
 

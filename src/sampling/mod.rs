@@ -7,6 +7,7 @@
 //! its own pixel and index. Tables ([`Table1d`], [`Table2d`]) are scalar.
 
 mod any;
+mod blue_noise;
 mod dims;
 pub mod hash;
 pub mod heuristic;
@@ -14,7 +15,9 @@ mod independent;
 pub mod owen;
 mod owen_sobol;
 pub mod pcg;
+pub mod permute;
 pub mod sobol;
+mod stratified;
 mod table1d;
 mod table2d;
 pub mod warp;
@@ -22,9 +25,11 @@ pub mod warp;
 use std::fmt::Debug;
 
 pub use any::{AnySampler, SamplerKind};
+pub use blue_noise::BlueNoise;
 pub use dims::{Dim, Vertex};
 pub use independent::Independent;
 pub use owen_sobol::OwenSobol;
+pub use stratified::Stratified;
 pub use table1d::{Pick, Table1d, TableError};
 pub use table2d::{Pick2d, Table2d};
 

@@ -11,8 +11,8 @@
 //! interaction of two purposes and raises that of finer ones less. It is the price of shuffles that keep every
 //! prefix stratified.
 
-use super::{Dim, Sampler, Vertex, hash, owen, sobol};
-use crate::math::lanes::{IntLanes, Wrapping};
+use super::{Dim, Sampler, Vertex, hash, hash::seed, owen, sobol};
+use crate::math::lanes::IntLanes;
 
 /// Owen-scrambled Sobol numbers of one sample per lane.
 #[derive(Clone, Copy, Debug)]
@@ -28,32 +28,11 @@ impl<I: IntLanes> OwenSobol<I> {
         Self { key: hash::pixel_key(seed, pixel), index }
     }
 
-    /// As [`OwenSobol::start`], but blocks of 2 x 2 pixels share a set, of which each pixel has a quarter that is a
-    /// stratified set itself.
-    ///
-    /// The errors of neighbours then tend to cancel: less noise at viewing distance, the same per pixel. The numbers of a
-    /// pixel depend on `log2_spp` too: the samples of a pixel that make a set, as a power of two (at most 30).
-    #[inline(always)]
-    pub fn start_in_block(seed: u32, [x, y]: [I; 2], index: I, log2_spp: u32) -> Self {
-        let log2_spp = log2_spp.min(30);
-        let quarter = (x & 1) | ((y & 1) << 1);
-        let within = index & ((1 << log2_spp) - 1);
-        let set = (index >> log2_spp) << log2_spp;
-        let index = (set << 2) | (quarter << log2_spp) | within;
-        Self { key: hash::pixel_key(seed, [x >> 1, y >> 1]), index }
-    }
-
     /// A key for each dimension at each vertex of each pixel.
     #[inline(always)]
     fn key(&self, dim: Dim, vertex: Vertex) -> I {
         self.key ^ dim.salt(vertex)
     }
-}
-
-/// Seed `n` of a key.
-#[inline(always)]
-fn seed<I: IntLanes>(key: I, n: u32) -> I {
-    hash::mix(Wrapping::<u32>::wrapping_add(key, hash::GOLDEN.wrapping_mul(n)))
 }
 
 impl<I: IntLanes> Sampler for OwenSobol<I> {

@@ -286,6 +286,11 @@ choice! {
         "sobol" => Sobol,
         /// Independent random numbers.
         "independent" => Independent,
+        /// One sample at random in each of as many strata as there are samples, whatever their number.
+        "stratified" => Stratified,
+        /// The Sobol' sequence laid over the picture so that errors of neighbouring pixels cancel; best with 1, 2, 4, 8, ...
+        /// samples per pixel.
+        "blue_noise" => BlueNoise,
     }
 }
 
