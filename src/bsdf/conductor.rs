@@ -41,9 +41,9 @@ impl<F: Lanes> RoughConductor<F> {
         let cos = wo.dot(h);
         let wi = h * (cos * 2.0) - wo;
         let valid = wo.z.gt(0.0) & wi.z.gt(0.0) & cos.gt(0.0);
-        let pdf = self.ggx.d(h) * self.ggx.g1(wo) / (wo.z * 4.0);
+        let pdf = self.ggx.d(h) * self.ggx.g1_over_cos(wo) * 0.25;
         let fresnel = fresnel::conductor_rgb(cos, self.eta, self.k);
-        let weight = fresnel * (self.ggx.g2(wo, wi) / self.ggx.g1(wo));
+        let weight = fresnel * self.ggx.g2_over_g1(wo, wi);
         BsdfSample { wi, weight, pdf, valid: valid & pdf.is_finite() }
     }
 
@@ -52,7 +52,7 @@ impl<F: Lanes> RoughConductor<F> {
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
         let (h, lit) = half_vector(wo, wi);
-        let pdf = self.ggx.d(h) * self.ggx.g1(wo) / (wo.z * 4.0);
+        let pdf = self.ggx.d(h) * self.ggx.g1_over_cos(wo) * 0.25;
         F::select(lit, pdf, pdf.splat(0.0))
     }
 
@@ -60,7 +60,7 @@ impl<F: Lanes> RoughConductor<F> {
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
         let (h, lit) = half_vector(wo, wi);
-        let f = self.ggx.d(h) * self.ggx.g2(wo, wi) / (wo.z * wi.z * 4.0);
+        let f = self.ggx.reflected(h, wo, wi);
         let fresnel = fresnel::conductor_rgb(wo.dot(h), self.eta, self.k);
         fresnel * F::select(lit, f, f.splat(0.0))
     }

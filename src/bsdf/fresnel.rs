@@ -31,7 +31,8 @@ pub fn dielectric<F: Lanes>(cos_i: F, eta: F) -> Interface<F> {
     let g2 = c.mul_add(c, d);
     let matched = d.eq(0.0);
     let total = g2.le(0.0) & !matched;
-    let g = g2.max(0.0).sqrt();
+    // Between equal media light goes straight on, though the square of a grazing cosine underflows.
+    let g = F::select(matched, c, g2.max(0.0).sqrt());
     let s2 = (one - c) * (c + 1.0);
     let sum = c + g;
     let r_s = -d / (sum * sum);
@@ -50,7 +51,11 @@ pub fn conductor<F: Lanes>(cos_i: F, eta: F, k: F) -> F {
     let one = eta.splat(1.0);
     let c = cos_i.clamp(0.0, 1.0);
     let s2 = (one - c) * (c + 1.0);
-    let t0 = (eta - k) * (eta + k) - s2;
+    // eta^2 - k^2 - sin^2 without 1 - 1: steep directions have a small sine, grazing ones meet eta^2 near 1.
+    let c2 = c * c;
+    let steep = (eta - k) * (eta + k) - s2;
+    let grazing = (eta - 1.0) * (eta + 1.0) + (c2 - k * k);
+    let t0 = F::select(c2.gt(0.5), steep, grazing);
     let im = eta * k * 2.0;
     let ab = t0.mul_add(t0, im * im).sqrt();
     let large = ((ab + t0.abs()) * 0.5).sqrt();

@@ -89,8 +89,11 @@ pub fn uniform_hemisphere<F: Lanes>(u: [F; 2]) -> Vec3<F> {
 
 /// A direction of the sphere, uniform by solid angle.
 #[inline(always)]
-pub fn uniform_sphere<F: Lanes>(u: [F; 2]) -> Vec3<F> {
-    cone(u, u[0].splat(2.0))
+pub fn uniform_sphere<F: Lanes>([u, v]: [F; 2]) -> Vec3<F> {
+    let [x, y, r] = disc_with_radius(centred(u), centred(v));
+    // As a cone of 1 - cos = 2, but in factors: 2 - 2 r^2 would cancel at the far pole.
+    let scale = ((-r + 1.0) * (r + 1.0)).sqrt() * 2.0;
+    Vec3::new(x * scale, y * scale, -(r * r * 2.0) + 1.0)
 }
 
 /// A direction within a cone about z, uniform by solid angle. The cone is given by 1 - cos of its half angle, in (0, 2]:
@@ -177,11 +180,15 @@ pub fn power_cosine_pdf<F: Lanes>(w: Vec3<F>, exponent: F) -> F {
     F::select(w.z.ge(0.0), pdf, pdf.splat(0.0))
 }
 
-/// cos^e of the angle between the unit vector `w` and z, by the chord: as precise as `w` is for every e. 0^0 is 1;
-/// only for z >= 0.
+/// cos^e of the angle between the unit vector `w` and z: by the chord near z, so that it is as precise as `w` is for every e;
+/// by z itself near the horizon. 0^0 is 1; only for z >= 0.
 #[inline(always)]
 pub fn power_of_cosine<F: Lanes>(w: Vec3<F>, exponent: F) -> F {
+    let near = w.z.gt(0.5);
+    let below_one = -one_minus_cos(w);
+    let cos = F::select(near, below_one + 1.0, w.z);
+    // What the sum has rounded away, over the cosine: the next term of the logarithm.
+    let rest = F::select(near, (below_one - (cos - 1.0)) / cos, cos.splat(0.0));
     // The logarithm of the smallest denormal number: keeps 0 times infinity out of e = 0 at the horizon.
-    let ln_cos = (-one_minus_cos(w)).ln_1p().max(-104.0);
-    (ln_cos * exponent).exp()
+    ((cos.ln() + rest).max(-104.0) * exponent).exp()
 }
