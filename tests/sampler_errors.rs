@@ -4,6 +4,8 @@
 //! Seeds are fixed. The tables of `benches/record/samplers.md` are printed by
 //! `cargo test --release --test sampler_errors -- --ignored --nocapture`.
 
+#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small non-negative numbers")]
+
 #[path = "support/samplers.rs"]
 mod samplers;
 #[path = "support/statistics.rs"]

@@ -233,7 +233,7 @@ fn assert_strata(points: &[[f32; 2]], what: &str) {
     let n = points.len() as u32;
     let root = n.isqrt();
     // A divisor, if there is one that keeps cells from being slim.
-    let columns = (root.div_ceil(2)..=root).rev().find(|c| n % c == 0).unwrap_or(root);
+    let columns = (root.div_ceil(2)..=root).rev().find(|c| n.is_multiple_of(*c)).unwrap_or(root);
     let rows = n / columns;
     let cells = columns * rows;
     // Edges of cells are rounded down to numbers.

@@ -35,10 +35,12 @@ impl<S: Isa> Kernel<S> for Draw {
                 let sampler = self.kind.start(1, [x, y], isa.splat_u32(index));
                 for dim in [Dim::Film, Dim::LightPoint(0), Dim::LobeDirection, Dim::Lens] {
                     let [u, v] = sampler.get_2d(dim, vertex);
-                    sum = sum + u * v;
+                    sum += u * v;
                 }
             }
-            x = Wrapping::<u32>::wrapping_add(x, S::WIDTH as u32);
+            #[expect(clippy::cast_possible_truncation, reason = "sixteen at most")]
+            let width = S::WIDTH as u32;
+            x = Wrapping::<u32>::wrapping_add(x, width);
             vertex = vertex.child(0);
         }
         // All lanes, lest the compiler leave some out.

@@ -151,6 +151,7 @@ impl<I: IntLanes> Sampler for Stratified<I> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "numbers are multiples of 2^-24")]
 mod tests {
     use super::*;
 

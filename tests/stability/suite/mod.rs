@@ -1,0 +1,26 @@
+//! Every kernel, once: over which arguments, how it is computed, what is true, and how far from it it may be.
+//!
+//! To add a kernel is to add one `kernel!` to the list of its family; tests and bench follow.
+
+#[macro_use]
+mod row;
+
+pub(crate) mod axes;
+pub(crate) mod big;
+mod fresnel;
+mod geometry;
+mod lobes;
+#[path = "../../support/random.rs"]
+pub(crate) mod random;
+mod vectors;
+mod warps;
+
+pub(crate) use row::Row;
+
+/// All kernels, by family.
+pub(crate) fn rows() -> Vec<Row> {
+    [fresnel::rows(), lobes::rows(), warps::rows(), vectors::rows(), geometry::rows()]
+        .into_iter()
+        .flatten()
+        .collect()
+}
