@@ -9,8 +9,8 @@ mod data;
 mod random;
 
 use random::Random;
-use specula::bsdf::{Dielectric, fresnel};
-use specula::math::Vec3;
+use specula::bsdf::{Dielectric, FresnelModel, Glass, Metal, fresnel};
+use specula::math::{Rgb, Vec3};
 
 fn dielectric(cos: f64, eta: f64) -> f64 {
     f64::from(fresnel::dielectric(cos as f32, eta as f32).reflectance)
@@ -18,6 +18,31 @@ fn dielectric(cos: f64, eta: f64) -> f64 {
 
 fn conductor(cos: f64, eta: f64, k: f64) -> f64 {
     f64::from(fresnel::conductor(cos as f32, eta as f32, k as f32))
+}
+
+/// The reflectance of glass by a model.
+fn by(model: FresnelModel, cos: f64, eta: f64) -> f64 {
+    f64::from(Glass::new(model, eta as f32).at(cos as f32).reflectance)
+}
+
+fn by_schlick(cos: f32, eta: f32) -> f32 {
+    Glass::new(FresnelModel::Schlick, eta).at(cos).reflectance
+}
+
+/// The reflectance of a metal by a model.
+fn metal_by(model: FresnelModel, cos: f64, eta: f64, k: f64) -> f64 {
+    let metal = Metal::new(model, Rgb::gray(eta as f32), Rgb::gray(k as f32));
+    f64::from(metal.at(cos as f32).g)
+}
+
+const MODELS: [FresnelModel; 4] =
+    [FresnelModel::Exact, FresnelModel::Schlick, FresnelModel::F82, FresnelModel::Constant];
+
+/// What glass and metal reflect by all models.
+fn reflectances(cos: f32, eta: f32, k: f32) -> Vec<f32> {
+    let glass = MODELS.map(|model| Glass::new(model, eta).at(cos).reflectance);
+    let metal = MODELS.map(|model| Metal::new(model, Rgb::gray(eta), Rgb::gray(k)).at(cos).r);
+    [glass, metal].concat()
 }
 
 fn cos_deg(angle: f64) -> f64 {
@@ -204,7 +229,7 @@ fn schlick_errs_as_the_table_says() {
         (4.0, (0.201, 84.0), (0.0, 0.0), (0.36664, 0.39048)),
     ];
     for (eta, most, least, means) in table {
-        let schlick = |c: f64| f64::from(fresnel::schlick_dielectric(c as f32, eta as f32));
+        let schlick = |c: f64| by(FresnelModel::Schlick, c, eta);
         let errors = (0..=9000).map(|i| {
             let angle = f64::from(i) / 100.0;
             (schlick(cos_deg(angle)) - exact_dielectric(cos_deg(angle), eta), angle)
@@ -241,15 +266,74 @@ fn schlick_overrates_metals_at_grazing() {
     }
 }
 
+/// Greatest errors over all angles of Schlick's form and of that with the edge term, found by the same formulas in double
+/// precision.
+#[test]
+fn the_edge_term_takes_most_of_the_error_away() {
+    let worst = |error: &dyn Fn(f64) -> f64| {
+        (0..=9000).map(|i| error(cos_deg(f64::from(i) / 100.0)).abs()).fold(0.0, f64::max)
+    };
+    let glass = [
+        (1.01, 0.5497, 0.2504),
+        (1.1, 0.2105, 0.0222),
+        (1.33, 0.0599, 0.0199),
+        (1.5, 0.0357, 0.0276),
+        (2.0, 0.0444, 0.0332),
+        (2.4, 0.0740, 0.0299),
+        (4.0, 0.2009, 0.0401),
+    ];
+    for (eta, plain, with_edge) in glass {
+        for (model, expected) in [(FresnelModel::Schlick, plain), (FresnelModel::F82, with_edge)] {
+            let found = worst(&|c| by(model, c, eta) - exact_dielectric(c, eta));
+            assert!((found - expected).abs() < 2e-4, "{model:?}, glass of {eta}: {found}, not {expected}");
+        }
+    }
+    let metals = [
+        (1.1, 6.79, 0.1021, 0.0094),
+        (2.95, 2.93, 0.1759, 0.0187),
+        (3.2, 3.3, 0.1983, 0.0240),
+        (0.143, 3.983, 0.0164, 0.0039),
+        (1.442, 1.603, 0.0293, 0.0286),
+    ];
+    for (eta, k, plain, with_edge) in metals {
+        for (model, expected) in [(FresnelModel::Schlick, plain), (FresnelModel::F82, with_edge)] {
+            let found = worst(&|c| metal_by(model, c, eta, k) - (1.0 - exact_loss(c, eta, k)));
+            assert!((found - expected).abs() < 2e-4, "{model:?}, {eta} + {k} i: {found}, not {expected}");
+        }
+        let known = 1.0 / 7.0;
+        let off = metal_by(FresnelModel::F82, known, eta, k) - (1.0 - exact_loss(known, eta, k));
+        assert!(off.abs() < 1e-6, "{eta} + {k} i: off by {off} where it is exact");
+    }
+}
+
+#[test]
+fn models_meet_at_normal_incidence_and_where_nothing_passes() {
+    for model in MODELS {
+        for eta in [1.2, 1.5, 2.4, 1.0 / 1.2, 1.0 / 2.4] {
+            let straight = by(model, 1.0, eta) - exact_dielectric(1.0, eta);
+            assert!(straight.abs() < 2e-7, "{model:?} {eta}: off by {straight} straight on");
+            let total = Glass::new(model, eta as f32).at(0.3);
+            assert_eq!(total.total, eta < 0.95, "{model:?} {eta}: total reflection");
+            assert!(
+                !total.total || total.reflectance.to_bits() == 1.0_f32.to_bits(),
+                "{model:?} {eta}: {total:?}"
+            );
+        }
+        assert!(by(model, 0.2, 1.0).to_bits() == 0, "{model:?}: no interface reflects nothing");
+        let straight = metal_by(model, 1.0, 0.2, 3.0) - (1.0 - exact_loss(1.0, 0.2, 3.0));
+        assert!(straight.abs() < 2e-7, "{model:?}: metal off by {straight} straight on");
+    }
+}
+
 #[test]
 fn schlick_keeps_to_the_side_of_the_lower_index() {
     for eta in [1.3_f32, 1.5, 2.0, 2.2] {
         for i in 0..=1000_u16 {
             let c = f32::from(i) / 1000.0;
             let (outside, inside) = (fresnel::dielectric(c, eta), fresnel::dielectric(c, 1.0 / eta));
-            let error = fresnel::schlick_dielectric(c, eta) - outside.reflectance;
+            let error = by_schlick(c, eta) - outside.reflectance;
             assert!(error.abs() < 0.07, "into {eta}, cosine {c}: {error}");
-            let error = fresnel::schlick_dielectric(c, 1.0 / eta) - inside.reflectance;
+            let error = by_schlick(c, 1.0 / eta) - inside.reflectance;
             assert!(error.abs() < 0.07, "out of {eta}, cosine {c}: {error}");
         }
     }
@@ -327,7 +411,7 @@ fn reflectance_is_a_fraction_whatever_is_asked() {
         let fraction = 0.0..=1.0;
         assert!(fraction.contains(&at.reflectance) && fraction.contains(&at.cos_t), "{c} {eta}: {at:?}");
         assert!(!at.total || at.reflectance.to_bits() == 1.0_f32.to_bits(), "{c} {eta}: {at:?}");
-        for r in [fresnel::conductor(c, eta, k), fresnel::schlick_dielectric(c, eta)] {
+        for r in reflectances(c, eta, k) {
             assert!(fraction.contains(&r), "{c} {eta} {k}: {r}");
         }
     }
@@ -341,7 +425,7 @@ fn no_interface_changes_nothing() {
         if i % 10 == 0 {
             wo = Vec3::new(1.0, 0.0, f32::MIN_POSITIVE * 4.0);
         }
-        let [reflected, refracted] = Dielectric { eta: 1.0 }.branches(wo);
+        let [reflected, refracted] = Dielectric { glass: Glass::exact(1.0) }.branches(wo);
         let at = fresnel::dielectric(wo.z, 1.0);
         assert!(at.reflectance.to_bits() == 0 && !reflected.valid, "{wo:?}: {at:?}");
         assert!(

@@ -8,9 +8,11 @@
 mod random;
 
 use random::Random;
-use specula::bsdf::microfacet::Ggx;
+use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
 use specula::bsdf::{
-    Branch, BsdfSample, Conductor, Dielectric, Diffuse, Glazed, Glossy, Mirror, RoughConductor, fresnel,
+    Below, Branch, BsdfSample, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glazed, Glossy, Jitter,
+    Metal, Mirror, OrenNayar, Phong, PhongScale, RoughConductor, RoughDielectric, Schlick, ThinDielectric,
+    fresnel,
 };
 use specula::image::Image;
 use specula::light::{
@@ -114,6 +116,7 @@ impl<S: Isa, const PART: usize> Kernel<S> for Shade<'_, PART> {
                 0 => smooth(&mut table, input),
                 1 => rough(&mut table, input),
                 2 => glossy(&mut table, input),
+                3 => frosted(&mut table, input),
                 _ => illumination(&mut table, input, self.lights),
             }
         }
@@ -140,16 +143,37 @@ fn smooth<F: Lanes>(table: &mut Table, input: [F; 8]) {
     table.put(["Fresnel", "cosine within"], [1e-3, 1.0], at.cos_t);
     table.put(["Fresnel", "denser"], [2e-6, 1.0], fresnel::dielectric(c, eta.max(1.4)).reflectance);
     table.put(["Fresnel", "Schlick"], [1e-6, 1.0], fresnel::schlick(c, fresnel::normal_incidence(eta)));
-    table.put(["Fresnel", "Schlick's dielectric"], [1e-3, 1.0], fresnel::schlick_dielectric(c, eta));
-    for branch in (Dielectric { eta }).branches(wo) {
+    for (who, model) in MODELS {
+        table.put([who, "glass"], [1e-3, 1.0], Glass::new(model, eta).at(c).reflectance);
+        let metal = Metal::new(model, Rgb::gray(eta), Rgb::gray(k));
+        table.put([who, "metal"], [1e-5, 1.0], metal.at(c).g);
+    }
+    for branch in (Dielectric { glass: Glass::exact(eta) }).branches(wo) {
         table.put_branch("dielectric", 1e-3, branch);
+    }
+    let pane = ThinDielectric { glass: Glass::exact(eta.max(1.1)), transmittance: Rgb::gray(v) };
+    for branch in pane.branches(wo) {
+        table.put_branch("pane", 2e-6, branch);
     }
     table.put_branch("mirror", 1e-6, Mirror { reflectance: Rgb::gray(u) }.branch(wo));
     // (eta - k)(eta + k) - s^2 cancels where both are near one.
-    table.put_branch("conductor", 1e-5, Conductor { eta: Rgb::gray(eta), k: Rgb::gray(k) }.branch(wo));
-    let glazed = Glazed { eta: eta.max(1.4), inside: Rgb::gray(v) };
+    table.put_branch("conductor", 1e-5, Conductor { metal: exact_metal(eta, k) }.branch(wo));
+    let glazed = Glazed { glass: Glass::exact(eta.max(1.4)), inside: Rgb::gray(v) };
     table.put_branch("glazed", 2e-6, glazed.branch(wo));
     table.put(["glazed", "value"], [2e-6, 1.0], glazed.diffuse(wo, another(input)).r);
+}
+
+/// The knob.
+const MODELS: [(&str, FresnelModel); 4] = [
+    ("exact", FresnelModel::Exact),
+    ("Schlick", FresnelModel::Schlick),
+    ("edge term", FresnelModel::F82),
+    ("constant", FresnelModel::Constant),
+];
+
+#[inline(always)]
+fn exact_metal<F: Lanes>(eta: F, k: F) -> Metal<F> {
+    Metal::new(FresnelModel::Exact, Rgb::gray(eta), Rgb::gray(k))
 }
 
 /// A light's direction that is not sampled.
@@ -161,21 +185,67 @@ fn another<F: Lanes>([_, _, u, v, _, _, x, y]: [F; 8]) -> Vec3<F> {
 /// Matt surfaces and rough metals.
 #[inline(always)]
 fn rough<F: Lanes>(table: &mut Table, input: [F; 8]) {
-    let [_, _, u, v, eta, k, ..] = input;
+    let [_, _, u, v, eta, k, x, y] = input;
     let (wo, wi) = (viewer(input), another(input));
     let diffuse = Diffuse { reflectance: Rgb::gray(k.min(1.0)) };
     table.put_sample("diffuse", [1e-6, 1e-6, 0.0], diffuse.sample(wo, [u, v]));
     table.put(["diffuse", "density"], [1e-6, 0.0], diffuse.pdf(wo, wi));
     table.put(["diffuse", "value"], [1e-6, 0.0], diffuse.eval(wo, wi).r);
+    let clay = OrenNayar { reflectance: Rgb::gray(k.min(1.0)), roughness: x.abs() };
+    // Beside grazing the quotient of the cosines is known to 1e-7 of 1e-3.
+    table.put_sample("Oren-Nayar", [1e-6, 1e-6, 3e-4], clay.sample(wo, [u, v]));
+    table.put(["Oren-Nayar", "value"], [3e-4, 1e-3], clay.eval(wo, wi).r);
     for (who, ax, ay) in [("metal 0.01", 0.01, 0.01), ("metal 0.1 0.4", 0.1, 0.4), ("metal 1", 1.0, 1.0)] {
-        let ggx = Ggx { alpha_x: eta.splat(ax), alpha_y: eta.splat(ay) };
-        let metal = RoughConductor { eta: Rgb::gray(eta), k: Rgb::gray(k + 0.5), ggx };
-        // Half vectors are rounded to 1e-7, which counts relative to the roughness.
-        let bound = 2e-5 + 3e-6 / ax;
-        // Where both directions graze the weight is a quotient of their cosines, of 1e-3 and known to 1e-7.
-        table.put_sample(who, [2e-5, bound, 3e-4], metal.sample(wo, [u, v]));
-        table.put([who, "density"], [bound, 1e-3], metal.pdf(wo, wi));
-        table.put([who, "value"], [bound, 1e-3], metal.eval(wo, wi).r);
+        for gaussian in [false, true] {
+            let facets = distribution(eta, [ax, ay], gaussian);
+            let metal = RoughConductor { metal: exact_metal(eta, k + 0.5), facets };
+            // Half vectors are rounded to 1e-7, which counts relative to the roughness.
+            let bound = 2e-5 + 3e-6 / ax;
+            // Where both directions graze the weight is a quotient of their cosines, of 1e-3 and known to 1e-7.
+            table.put_sample(who, [2e-5, bound, 3e-4], metal.sample(wo, [u, v]));
+            table.put([who, "density"], [bound, 1e-3], metal.pdf(wo, wi));
+            table.put([who, "value"], [bound, 1e-3], metal.eval(wo, wi).r);
+        }
+    }
+    let surface = Schlick::new(Rgb::gray(y.abs()), x.abs() * 0.9 + 0.05, eta.splat(0.7));
+    table.put_sample("Schlick", [2e-5, 1e-4, 3e-4], surface.sample(wo, [u, v]));
+    table.put(["Schlick", "value"], [1e-4, 1e-3], surface.eval(wo, wi).r + surface.diffuse(wo, wi).r);
+    table.put(["Schlick", "mirror"], [1e-5, 1.0], surface.branch(wo).weight.r);
+}
+
+#[inline(always)]
+fn distribution<F: Lanes>(like: F, [x, y]: [f32; 2], gaussian: bool) -> Distribution<F> {
+    let (alpha_x, alpha_y) = (like.splat(x), like.splat(y));
+    if gaussian {
+        Distribution::Beckmann(Beckmann { alpha_x, alpha_y })
+    } else {
+        Distribution::Ggx(Ggx { alpha_x, alpha_y })
+    }
+}
+
+/// Frosted glass.
+#[inline(always)]
+fn frosted<F: Lanes>(table: &mut Table, input: [F; 8]) {
+    let [_, _, u, v, eta, ..] = input;
+    let (wo, wi) = (viewer(input), another(input));
+    for (who, ax, ay) in [("glass 0.05", 0.05, 0.05), ("glass 0.1 0.4", 0.1, 0.4), ("glass 0.7", 0.7, 0.7)] {
+        for gaussian in [false, true] {
+            // Nearer to 1 the refracting facet is a difference of nearly equal directions.
+            let glass = Glass::exact(eta.max(1.3));
+            let lobe = RoughDielectric { glass, facets: distribution(eta, [ax, ay], gaussian) };
+            let bound = 1e-4 + 1e-5 / ax;
+            // Gaussian slopes are found within 2e-7 of their distribution: in its tails that is much of a slope, and at its
+            // lower end, where it begins like a square, the root of it.
+            let [reach, density] = if gaussian { [3e-4, 10.0 * bound] } else { [2e-5, bound] };
+            let numbers = if gaussian { [u.clamp(1e-3, 0.999), v] } else { [u, v] };
+            for sample in lobe.sample(wo, numbers) {
+                table.put_sample(who, [reach, density, 3e-4], sample);
+            }
+            for wi in [wi, -wi] {
+                table.put([who, "density"], [bound, 1e-3], lobe.pdf(wo, wi));
+                table.put([who, "value"], [bound, 1e-3], lobe.eval(wo, wi).r);
+            }
+        }
     }
 }
 
@@ -186,13 +256,26 @@ fn glossy<F: Lanes>(table: &mut Table, input: [F; 8]) {
     let (wo, wi) = (viewer(input), another(input));
     let names = ["glossy 0", "glossy 1", "glossy 100", "glossy 1e6", "glossy 1e9"];
     for (who, exponent) in names.into_iter().zip([0.0_f32, 1.0, 100.0, 1e6, 1e9]) {
-        let lobe = Glossy { reflectance: Rgb::gray(u), exponent: eta.splat(exponent) };
+        let lobe = Glossy::new(Rgb::gray(u), eta.splat(exponent));
         // The chord between unit vectors is rounded to 1e-7 and counts by e times itself: up to 8 / sqrt(e) long.
         let bound = 1e-5 + 2e-6 * exponent.sqrt();
         table.put_sample(who, [2e-6, bound, 0.0], lobe.sample(wo, [u, v]));
         // Near the horizon of the lobe cosines are differences.
         table.put([who, "density"], [bound, 0.01], lobe.pdf(wo, wi));
         table.put([who, "value times cosine"], [bound, 0.01], lobe.eval(wo, wi).r * wi.z);
+        for below in [Below::Discard, Below::Rejection] {
+            let lobe = Glossy { below, ..lobe };
+            table.put_sample(who, [2e-6, bound, 0.0], lobe.sample(wo, [u, v]));
+            table.put([who, "density"], [bound, 0.01], lobe.pdf(wo, wi));
+        }
+        for scale in [PhongScale::Modified, PhongScale::MaxCosine] {
+            let lobe = Phong { reflectance: Rgb::gray(u), exponent: eta.splat(exponent), scale };
+            table.put_sample(who, [2e-6, bound, 1e-4], lobe.sample(wo, [u, v]));
+            table.put([who, "value times cosine"], [bound, 0.01], lobe.eval(wo, wi).r * wi.z);
+        }
+        let lobe = Jitter { reflectance: Rgb::gray(u), exponent: eta.splat(exponent) };
+        table.put_sample(who, [2e-6, 10.0 * bound, 0.0], lobe.sample(wo, [u, v]));
+        table.put([who, "density"], [10.0 * bound, 0.01], lobe.pdf(wo, wi));
     }
 }
 
@@ -318,6 +401,11 @@ fn glossy_surfaces_are_the_same_at_every_width() {
 }
 
 #[test]
-fn lights_are_the_same_at_every_width() {
+fn frosted_glass_is_the_same_at_every_width() {
     agree::<3>();
+}
+
+#[test]
+fn lights_are_the_same_at_every_width() {
+    agree::<4>();
 }

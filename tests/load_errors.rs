@@ -61,7 +61,7 @@ const CASES: &[Case] = &[
         "columns count characters",
         "materials.'Größe' = { type = 'matt' }",
         &[
-            "scene.toml:1:30: unknown type `matt`; it must be `diffuse`, `mirror`, `conductor`, `dielectric`, `glossy`, `glazed` or `emission`",
+            "scene.toml:1:30: unknown type `matt`; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
         ],
     ),
     file(
@@ -167,10 +167,10 @@ const CASES: &[Case] = &[
          f = { type = 'diffuse', reflectance = { checker = [0, 1, 0], repeat = [0, 1] } }\ng = 1\n\
          h = { type = 'emission' }\ni = { type = 'mirror', radiance = 1 }\n",
         &[
-            "scene.toml:2:5: missing key `type`; it must be `diffuse`, `mirror`, `conductor`, `dielectric`, `glossy`, `glazed` or `emission`",
-            "scene.toml:3:14: `type` is an integer; it must be `diffuse`, `mirror`, `conductor`, `dielectric`, `glossy`, `glazed` or `emission`",
+            "scene.toml:2:5: missing key `type`; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
+            "scene.toml:3:14: `type` is an integer; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
             "scene.toml:4:35: `exponent` is -1; it must be a number from 0 to 1000000000",
-            "scene.toml:4:39: unknown key `shine`; known are `emission`, `type`, `exponent`, `reflectance` and `diffuse`",
+            "scene.toml:4:39: unknown key `shine`; known are `emission`, `type`, `exponent`, `reflectance`, `diffuse` and `below`",
             "scene.toml:5:39: `reflectance` is a string; it must be a colour: one number or [r, g, b], each from 0 to 1, or a texture { checker = [.., ..] }",
             "scene.toml:6:43: `reflectance` is 2; it must be a number from 0 to 1",
             "scene.toml:7:51: `checker` is an array of three; it must be an array of two, each a colour: one number or [r, g, b], each from 0 to 1",
@@ -178,6 +178,20 @@ const CASES: &[Case] = &[
             "scene.toml:8:5: `g` is an integer; it must be a table",
             "scene.toml:9:5: missing key `radiance`; give a colour: one number or [r, g, b], each of at least 0 W/(sr m^2)",
             "scene.toml:10:24: `radiance` does not go with type `mirror`; it belongs to type `emission`",
+        ],
+    ),
+    file(
+        "how surfaces reflect",
+        "[render]\nfresnel = 'exakt'\n[materials]\na = { type = 'dielectric', alpha = [0.1, 0.2, 0.3] }\n\
+         b = { type = 'dielectric', alpha = [0.1, 2] }\nc = { type = 'glossy', below = 'above' }\n\
+         d = { type = 'diffuse', fresnel = 'exact' }\n",
+        &[
+            "scene.toml:2:11: `fresnel` is `exakt`; did you mean `exact`?",
+            "scene.toml:4:35: `alpha` is an array of three; it must be a number or two numbers [x, y] from 0 to 1",
+            "scene.toml:5:41: `alpha` is 2; it must be a number from 0 to 1",
+            "scene.toml:6:32: `below` is `above`; it must be `through_r`, `discard` or `rejection`",
+            "scene.toml:7:25: `fresnel` does not go with type `diffuse`; it belongs to type `conductor`, type `dielectric`, \
+             type `thin_dielectric` or type `glazed`",
         ],
     ),
     file(
@@ -191,7 +205,7 @@ const CASES: &[Case] = &[
             "scene.toml:4:5: missing key `k`; give a colour: one number or [r, g, b], each above 0",
             "scene.toml:5:27: unknown key `metl`; did you mean `metal`?",
             "scene.toml:6:35: `metal` is empty; it must be a string with at least one character",
-            "scene.toml:7:41: `ior` does not go with type `conductor`; it belongs to type `dielectric` or type `glazed`",
+            "scene.toml:7:41: `ior` does not go with type `conductor`; it belongs to type `dielectric`, type `thin_dielectric` or type `glazed`",
         ],
     ),
     file(
@@ -383,7 +397,7 @@ const CASES: &[Case] = &[
             "command line: in `shapes.model.file=no.obj`: no such file `no.obj`; paths are relative to the file that names them",
             "command line: in `shapes.model.normals=rough`: `normals` is `rough`; it must be `file`, `smooth` or `flat`",
             "command line: in `include=['a.toml']`: `include` cannot be overridden; name another scene file",
-            "command line: in `materials.\"a.b\".type=glass`: unknown type `glass`; it must be `diffuse`, `mirror`, `conductor`, `dielectric`, `glossy`, `glazed` or `emission`",
+            "command line: in `materials.\"a.b\".type=glass`: unknown type `glass`; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
         ],
     },
     file(

@@ -1,50 +1,46 @@
 //! Metals, polished and rough.
 
+use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::mirror::reflection;
-use crate::bsdf::{Branch, BsdfSample, fresnel, microfacet::Ggx};
+use crate::bsdf::{Branch, BsdfSample, Metal};
 use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// A polished metal.
 #[derive(Clone, Copy, Debug)]
 pub struct Conductor<F> {
-    /// Real part of the index of refraction.
-    pub eta: Rgb<F>,
-    /// Imaginary part: extinction.
-    pub k: Rgb<F>,
+    /// How much it reflects.
+    pub metal: Metal<F>,
 }
 
 impl<F: Lanes> Conductor<F> {
     /// The mirror direction, by Fresnel.
     #[inline(always)]
     pub fn branch(&self, wo: Vec3<F>) -> Branch<F> {
-        reflection(wo, fresnel::conductor_rgb(wo.z, self.eta, self.k))
+        reflection(wo, self.metal.at(wo.z))
     }
 }
 
-/// A rough metal: GGX microfacets, light that bounces among them more than once is lost.
+/// A rough metal: microfacets; light that bounces among them more than once is lost.
 #[derive(Clone, Copy, Debug)]
 pub struct RoughConductor<F> {
-    /// Real part of the index of refraction.
-    pub eta: Rgb<F>,
-    /// Imaginary part: extinction.
-    pub k: Rgb<F>,
-    /// The distribution of normals.
-    pub ggx: Ggx<F>,
+    /// How much each facet reflects.
+    pub metal: Metal<F>,
+    /// How their normals are spread.
+    pub facets: Distribution<F>,
 }
 
 impl<F: Lanes> RoughConductor<F> {
     /// A direction mirrored at a visible normal; below-surface ones are not valid: their light is lost.
     #[inline(always)]
     pub fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
-        let h = self.ggx.sample_visible(wo, u2);
+        let h = self.facets.sample_visible(wo, u2);
         let cos = wo.dot(h);
         let wi = h * (cos * 2.0) - wo;
         let valid = wo.z.gt(0.0) & wi.z.gt(0.0) & cos.gt(0.0);
-        let pdf = self.ggx.d(h) * self.ggx.g1_over_cos(wo) * 0.25;
-        let fresnel = fresnel::conductor_rgb(cos, self.eta, self.k);
-        let weight = fresnel * self.ggx.g2_over_g1(wo, wi);
-        BsdfSample { wi, weight, pdf, valid: valid & pdf.is_finite() }
+        let pdf = self.facets.mirrored_pdf(wo, h);
+        let weight = self.metal.at(cos) * self.facets.g2_over_g1(wo, wi);
+        BsdfSample { wi, weight, pdf, valid: valid & pdf.gt(0.0) & pdf.is_finite() }
     }
 
     /// Density of [`Self::sample`] with respect to solid angle: D G1(wo) / (4 cos theta_o) (Heitz 2018, Sampling the GGX
@@ -52,7 +48,7 @@ impl<F: Lanes> RoughConductor<F> {
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
         let (h, lit) = half_vector(wo, wi);
-        let pdf = self.ggx.d(h) * self.ggx.g1_over_cos(wo) * 0.25;
+        let pdf = self.facets.mirrored_pdf(wo, h);
         F::select(lit, pdf, pdf.splat(0.0))
     }
 
@@ -60,9 +56,8 @@ impl<F: Lanes> RoughConductor<F> {
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
         let (h, lit) = half_vector(wo, wi);
-        let f = self.ggx.reflected(h, wo, wi);
-        let fresnel = fresnel::conductor_rgb(wo.dot(h), self.eta, self.k);
-        fresnel * F::select(lit, f, f.splat(0.0))
+        let f = self.facets.reflected(h, wo, wi);
+        self.metal.at(wo.dot(h)) * F::select(lit, f, f.splat(0.0))
     }
 }
 

@@ -1,15 +1,15 @@
 //! Glass and water: a smooth interface between two transparent media.
 
 use crate::bsdf::mirror::reflection;
-use crate::bsdf::{Branch, fresnel};
+use crate::bsdf::{Branch, Glass};
 use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// A smooth interface.
 #[derive(Clone, Copy, Debug)]
 pub struct Dielectric<F> {
-    /// n_t / n_i as seen by wo: the far side's index over the near side's.
-    pub eta: F,
+    /// How much it reflects; its `eta` is the far side's index over the near side's, as seen by wo.
+    pub glass: Glass<F>,
 }
 
 impl<F: Lanes> Dielectric<F> {
@@ -17,11 +17,11 @@ impl<F: Lanes> Dielectric<F> {
     /// equal media.
     #[inline(always)]
     pub fn branches(&self, wo: Vec3<F>) -> [Branch<F>; 2] {
-        let at = fresnel::dielectric(wo.z, self.eta);
+        let at = self.glass.at(wo.z);
         let above = wo.z.gt(0.0);
         let mut reflected = reflection(wo, Rgb::gray(at.reflectance));
         reflected.valid = above & at.reflectance.gt(0.0);
-        let inverse = self.eta.recip();
+        let inverse = self.glass.eta().recip();
         let refracted = Branch {
             wi: Vec3::new(-wo.x * inverse, -wo.y * inverse, -at.cos_t).normalize(),
             weight: Rgb::gray(-at.reflectance + 1.0),

@@ -17,15 +17,25 @@ pub struct Interface<F: Lanes> {
     pub total: F::Mask,
 }
 
-/// The exact answer for a dielectric: `cos_i` in [0, 1] on the side of `eta`'s denominator, `eta` = n_t / n_i > 0.
+/// Where light goes at a dielectric interface, without how much of it.
+#[derive(Clone, Copy, Debug)]
+pub struct Bend<F: Lanes> {
+    /// Cosine of the refracted direction with the normal, not negative; 0 under total internal reflection.
+    pub cos_t: F,
+    /// Total internal reflection: nothing is transmitted.
+    pub total: F::Mask,
+    /// eta^2 - 1.
+    d: F,
+    /// eta times the cosine within.
+    g: F,
+}
+
+/// Refraction of the cosine `cos_i` in [0, 1], `eta` = n_t / n_i > 0.
 ///
-/// With d = eta^2 - 1 and g = sqrt(d + cos_i^2) = eta cos_t, r_s = -d / (cos_i + g)^2 and
-/// r_p = r_s (cos_i g - sin_i^2) / (cos_i g + sin_i^2): Fresnel's equations (Born and Wolf 1999, Principles of Optics,
-/// 1.5.2) without a difference of nearly equal numbers. The same g decides total reflection and the direction.
+/// With d = eta^2 - 1, g = sqrt(d + cos_i^2) = eta cos_t. The same g gives reflectance and direction, and decides total
+/// reflection for both.
 #[inline(always)]
-pub fn dielectric<F: Lanes>(cos_i: F, eta: F) -> Interface<F> {
-    let one = eta.splat(1.0);
-    let zero = eta.splat(0.0);
+pub fn bend<F: Lanes>(cos_i: F, eta: F) -> Bend<F> {
     let c = cos_i.clamp(0.0, 1.0);
     let d = (eta - 1.0) * (eta + 1.0);
     let g2 = c.mul_add(c, d);
@@ -33,13 +43,26 @@ pub fn dielectric<F: Lanes>(cos_i: F, eta: F) -> Interface<F> {
     let total = g2.le(0.0) & !matched;
     // Between equal media light goes straight on, though the square of a grazing cosine underflows.
     let g = F::select(matched, c, g2.max(0.0).sqrt());
+    Bend { cos_t: F::select(total, eta.splat(0.0), (g / eta).min(1.0)), total, d, g }
+}
+
+/// The exact answer for a dielectric: `cos_i` in [0, 1] on the side of `eta`'s denominator, `eta` = n_t / n_i > 0.
+///
+/// r_s = -d / (cos_i + g)^2 and r_p = r_s (cos_i g - sin_i^2) / (cos_i g + sin_i^2) with d and g as in [`bend`]: Fresnel's
+/// equations (Born and Wolf 1999, Principles of Optics, 1.5.2) without a difference of nearly equal numbers.
+#[inline(always)]
+pub fn dielectric<F: Lanes>(cos_i: F, eta: F) -> Interface<F> {
+    let one = eta.splat(1.0);
+    let zero = eta.splat(0.0);
+    let c = cos_i.clamp(0.0, 1.0);
+    let Bend { cos_t, total, d, g } = bend(c, eta);
     let s2 = (one - c) * (c + 1.0);
     let sum = c + g;
     let r_s = -d / (sum * sum);
     let r_p = r_s * (c * g - s2) / (c * g + s2);
     let r = (r_s * r_s + r_p * r_p) * 0.5;
-    let r = F::select(matched, zero, F::select(total, one, r.min(1.0)));
-    Interface { reflectance: r, cos_t: F::select(total, zero, (g / eta).min(1.0)), total }
+    let r = F::select(d.eq(0.0), zero, F::select(total, one, r.min(1.0)));
+    Interface { reflectance: r, cos_t, total }
 }
 
 /// The exact reflectance of a conductor with the complex index `eta + i k`, relative to the outer medium, in [0, 1].
@@ -90,14 +113,32 @@ pub fn schlick<F: Lanes>(cos_i: F, r0: F) -> F {
     (one - r0).mul_add(m.pow5(), r0)
 }
 
-/// Schlick's approximation for a dielectric: the cosine on the side of the lower index, 1 under total reflection.
-///
-/// Within 0.07 of [`dielectric`] for 1.3 <= eta <= 2.2 or its inverse; wrong outside, worst near 1.
+/// [`schlick`] per channel.
 #[inline(always)]
-pub fn schlick_dielectric<F: Lanes>(cos_i: F, eta: F) -> F {
-    let exact = dielectric(cos_i, eta);
-    let c = F::select(eta.lt(1.0), exact.cos_t, cos_i);
-    F::select(exact.total, eta.splat(1.0), schlick(c, normal_incidence(eta)))
+pub fn schlick_rgb<F: Lanes>(cos_i: F, r0: Rgb<F>) -> Rgb<F> {
+    let m5 = (-cos_i.clamp(0.0, 1.0) + 1.0).pow5();
+    r0 + (Rgb::gray(m5.splat(1.0)) - r0) * m5
+}
+
+/// The cosine, besides 0 and 1, at which [`schlick_edge`] is exact.
+pub const EDGE_COSINE: f32 = 1.0 / 7.0;
+
+/// The coefficient with which [`schlick_edge`] meets the reflectance `known` at [`EDGE_COSINE`].
+#[inline(always)]
+pub fn edge_term<F: Lanes>(r0: F, known: F) -> F {
+    // c (1 - c)^6 at c = 1/7.
+    const SHAPE: f32 = 46_656.0 / 823_543.0;
+    (schlick(r0.splat(EDGE_COSINE), r0) - known) * (1.0 / SHAPE)
+}
+
+/// Schlick's approximation less `edge` c (1 - c)^6, within [0, 1] (Lazányi and Szirmay-Kalos 2005, Fresnel Term
+/// Approximations for Metals, with the coefficient taken from the reflectance near 82 degrees).
+#[inline(always)]
+pub fn schlick_edge<F: Lanes>(cos_i: F, r0: F, edge: F) -> F {
+    let c = cos_i.clamp(0.0, 1.0);
+    let m = -c + 1.0;
+    let m5 = m.pow5();
+    ((-r0 + 1.0).mul_add(m5, r0) - edge * c * m5 * m).clamp(0.0, 1.0)
 }
 
 /// Mean reflectance over the hemisphere, weighted by the cosine, of a dielectric seen from the side of the lower index
@@ -121,20 +162,25 @@ pub fn average_inside(n: f64) -> f64 {
     1.0 - (1.0 - average_outside(n)) / (n * n)
 }
 
-/// Midpoints in the cosine, refined towards grazing, where near-matched interfaces reflect.
+/// By the factors that do not cancel near 1.
 fn average_by_quadrature(n: f64) -> f64 {
-    const STEPS: u32 = 4096;
     let d = (n - 1.0) * (n + 1.0);
-    let sum: f64 = (0..STEPS)
-        .map(|i| {
-            let x = (f64::from(i) + 0.5) / f64::from(STEPS);
-            let c = x * x * x;
-            let g = (d + c * c).sqrt();
-            let s2 = (1.0 - c) * (1.0 + c);
-            let r_s = -d / (c + g).powi(2);
-            let r_p = r_s * (c * g - s2) / (c * g + s2);
-            (r_s * r_s + r_p * r_p) * 0.5 * 2.0 * c * 3.0 * x * x
-        })
-        .sum();
-    sum / f64::from(STEPS)
+    cosine_average(|c| {
+        let g = (d + c * c).sqrt();
+        let s2 = (1.0 - c) * (1.0 + c);
+        let r_s = -d / (c + g).powi(2);
+        let r_p = r_s * (c * g - s2) / (c * g + s2);
+        (r_s * r_s + r_p * r_p) * 0.5
+    })
+}
+
+/// The mean of `f` over the hemisphere, weighted by the cosine that it is a function of: midpoints, refined towards grazing,
+/// where near-matched interfaces reflect.
+pub(super) fn cosine_average(f: impl Fn(f64) -> f64) -> f64 {
+    const STEPS: u32 = 4096;
+    let at = |i: u32| {
+        let x = (f64::from(i) + 0.5) / f64::from(STEPS);
+        f(x * x * x) * 2.0 * x * x * x * 3.0 * x * x
+    };
+    (0..STEPS).map(at).sum::<f64>() / f64::from(STEPS)
 }

@@ -1,7 +1,7 @@
 //! A smooth dielectric coat over a diffuse base: glazed pottery, billiard balls.
 
 use crate::bsdf::mirror::reflection;
-use crate::bsdf::{Branch, Diffuse, fresnel};
+use crate::bsdf::{Branch, Diffuse, FresnelModel, Glass};
 use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
@@ -10,17 +10,21 @@ use crate::math::{Rgb, Vec3};
 pub struct Coat {
     /// Index of refraction, relative to outside.
     pub ior: f32,
+    /// How it reflects.
+    glass: Glass<f32>,
     /// Mean reflectance from within.
     inside: f32,
 }
 
 impl Coat {
-    /// A coat of index `ior` >= 1.
+    /// A coat of index `ior` >= 1. Under every model what is not reflected goes through, so that a coat over white loses
+    /// nothing.
     #[must_use]
-    pub fn new(ior: f32) -> Self {
+    pub fn new(model: FresnelModel, ior: f32) -> Self {
+        let n = f64::from(ior);
         #[expect(clippy::cast_possible_truncation, reason = "a reflectance needs no more digits")]
-        let inside = fresnel::average_inside(f64::from(ior)) as f32;
-        Self { ior, inside }
+        let inside = (1.0 - (1.0 - model.average_outside(n)) / (n * n)) as f32;
+        Self { ior, glass: Glass::new(model, ior), inside }
     }
 
     /// The coat over a base that reflects `base`, each channel in [0, 1].
@@ -28,7 +32,7 @@ impl Coat {
     pub fn over(&self, base: Rgb<f32>) -> Glazed<f32> {
         // The sum over all bounces between base and coat, and the spreading of the cone of light that enters.
         let through = |rho: f32| rho / (self.ior * self.ior * (1.0 - rho * self.inside));
-        Glazed { eta: self.ior, inside: Rgb::new(through(base.r), through(base.g), through(base.b)) }
+        Glazed { glass: self.glass, inside: Rgb::new(through(base.r), through(base.g), through(base.b)) }
     }
 }
 
@@ -36,8 +40,8 @@ impl Coat {
 /// leaves or is absorbed.
 #[derive(Clone, Copy, Debug)]
 pub struct Glazed<F> {
-    /// Index of refraction of the coat, relative to outside.
-    pub eta: F,
+    /// How the coat reflects; its `eta` is the index of the coat, relative to outside.
+    pub glass: Glass<F>,
     /// Reflectance of the base once light is inside: base / (n^2 (1 - base F_inside)).
     pub inside: Rgb<F>,
 }
@@ -46,7 +50,7 @@ impl<F: Lanes> Glazed<F> {
     /// The reflection in the coat.
     #[inline(always)]
     pub fn branch(&self, wo: Vec3<F>) -> Branch<F> {
-        reflection(wo, Rgb::gray(fresnel::dielectric(wo.z, self.eta).reflectance))
+        reflection(wo, Rgb::gray(self.glass.at(wo.z).reflectance))
     }
 
     /// The light that went through the coat twice.
@@ -58,6 +62,6 @@ impl<F: Lanes> Glazed<F> {
 
     #[inline(always)]
     fn transmitted(&self, cos: F) -> F {
-        -fresnel::dielectric(cos, self.eta).reflectance + 1.0
+        -self.glass.at(cos).reflectance + 1.0
     }
 }

@@ -17,8 +17,10 @@ impl Lobes {
     pub const GLOSSY: Self = Self(2);
     /// Exactly one direction: [`crate::bsdf::Bsdf::eval`] is zero.
     pub const SPECULAR: Self = Self(4);
+    /// Spread about the refracted direction, below the surface.
+    pub const THROUGH: Self = Self(8);
     /// Everything.
-    pub const ALL: Self = Self(7);
+    pub const ALL: Self = Self(15);
 
     /// Whether the two sets share a kind.
     #[must_use]

@@ -8,7 +8,7 @@ use clap::{Arg, Parser, Subcommand, ValueEnum, ValueHint};
 use clap_complete::Shell;
 
 use crate::measure::Metric;
-use crate::scene::description::{Backend, Integrator, Sampler, View};
+use crate::scene::description::{Backend, Fresnel, Integrator, Sampler, View};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -69,6 +69,10 @@ pub struct RenderArgs {
     /// Where samples fall
     #[arg(long, value_name = "NAME", value_parser = Words::of(Sampler::ALL, Sampler::word))]
     pub sampler: Option<String>,
+
+    /// How reflectance depends on the angle, in materials that do not say so themselves
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Fresnel::ALL, Fresnel::word))]
+    pub fresnel: Option<String>,
 
     /// Columns of the picture
     #[arg(long, value_name = "W", allow_negative_numbers = true)]

@@ -160,6 +160,7 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
         ("render.view", args.view.as_ref()),
         ("render.backend", args.backend.as_ref()),
         ("render.sampler", args.sampler.as_ref()),
+        ("render.fresnel", args.fresnel.as_ref()),
         ("film.width", args.width.as_ref()),
         ("film.height", args.height.as_ref()),
         ("render.max_depth", args.max_depth.as_ref()),

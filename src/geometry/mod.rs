@@ -17,6 +17,7 @@ mod shape;
 pub mod spawn;
 mod sphere;
 mod surface;
+mod tangent;
 mod torus;
 mod triangle;
 mod world;

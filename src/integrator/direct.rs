@@ -1,12 +1,12 @@
 //! Direct light: every light is asked once, lobes that are also followed share the answer with their own rays.
 
 use crate::accel::Accel;
-use crate::bsdf::{Bsdf, Lobes, fresnel};
+use crate::bsdf::{Lobes, Mix};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::shading::Shading;
 use crate::integrator::{Counters, Stage};
 use crate::light::{Emitter, Light, LightSample, Reference};
-use crate::material::Medium;
+use crate::material::{Material, MaterialId};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
 use crate::scene::GlassShadows;
@@ -15,13 +15,16 @@ use crate::scene::GlassShadows;
 pub(super) struct Receiver<'a> {
     pub(super) it: &'a Interaction,
     pub(super) shading: Shading,
-    pub(super) bsdf: &'a Bsdf<f32>,
+    pub(super) mix: &'a Mix<f32>,
+    /// The medium on the viewer's side, and that on the other.
+    pub(super) media: [Option<MaterialId>; 2],
 }
 
 impl Receiver<'_> {
-    /// Where lights are asked from.
-    pub(super) fn reference(&self) -> Reference<f32> {
-        Reference { p: self.it.p.into(), n: self.shading.frame.z }
+    /// Where lights are asked from: the viewer's side of the surface, or what lies `below` it.
+    pub(super) fn reference(&self, below: bool) -> Reference<f32> {
+        let n = self.shading.frame.z;
+        Reference { p: self.it.p.into(), n: if below { -n } else { n } }
     }
 }
 
@@ -37,39 +40,68 @@ pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     counters: &mut Counters,
 ) -> Rgb<f32> {
     let mut sum = Rgb::BLACK;
-    if !receiver.bsdf.lobes().intersects(Lobes::DIFFUSE | Lobes::GLOSSY) {
+    let lobes = receiver.mix.lobes();
+    if !lobes.intersects(Lobes::DIFFUSE | Lobes::GLOSSY) {
         return sum;
     }
     for (index, light) in (0..).zip(&stage.scene.lights) {
         let u2 = if light.is_delta() { [0.5; 2] } else { sampler.get_2d(Dim::LightPoint(index), vertex) };
-        let sample = light.sample(receiver.reference(), u2);
-        let (diffuse, glossy) = scattered(receiver, light, &sample);
-        if (diffuse + glossy).is_black() {
-            continue;
+        sum += from_light(stage, receiver, light, (u2, false), counters);
+        if lobes.intersects(Lobes::THROUGH) {
+            sum += from_light(stage, receiver, light, (u2, true), counters);
         }
-        let seen = visibility(stage, receiver.it, light, &sample, counters);
-        // Through glass the rays of glossy lobes find their own, bent way.
-        sum += diffuse * seen.through + if seen.clear { glossy } else { Rgb::BLACK };
     }
     sum
 }
 
-/// What diffuse and glossy lobes make of a light's sample, were nothing in between.
-fn scattered(receiver: &Receiver<'_>, light: &Light, sample: &LightSample<f32>) -> (Rgb<f32>, Rgb<f32>) {
-    let Receiver { shading, bsdf, .. } = receiver;
+/// What one light brings, from above the surface or from `below`.
+fn from_light<A: Accel>(
+    stage: &Stage<'_, A>,
+    receiver: &Receiver<'_>,
+    light: &Light,
+    (u2, below): ([f32; 2], bool),
+    counters: &mut Counters,
+) -> Rgb<f32> {
+    let sample = light.sample(receiver.reference(below), u2);
+    let (diffuse, glossy) = scattered(receiver, light, &sample, below);
+    if (diffuse + glossy).is_black() {
+        return Rgb::BLACK;
+    }
+    let straight = !diffuse.is_black() && stage.scene.glass_shadows == GlassShadows::Straight;
+    let seen = visibility(stage, receiver.it, light, (&sample, straight), counters);
+    if !seen.clear {
+        // Through glass the rays of glossy lobes find their own, bent way.
+        return diffuse * seen.through;
+    }
+    let medium = receiver.media[usize::from(below)];
+    let length = if light.is_infinite() { f32::INFINITY } else { (sample.p - receiver.it.p.into()).length() };
+    (diffuse + glossy) * stage.absorbed(medium, length)
+}
+
+/// What diffuse and glossy lobes make of a light's sample on one side, were nothing in between.
+fn scattered(
+    receiver: &Receiver<'_>,
+    light: &Light,
+    sample: &LightSample<f32>,
+    below: bool,
+) -> (Rgb<f32>, Rgb<f32>) {
+    let Receiver { shading, mix, .. } = receiver;
     let wi = shading.frame.to_local(sample.wi);
     // Light from behind the true surface would leak through it, whatever the interpolated normal says.
-    if !sample.valid || wi.z <= 0.0 || sample.wi.dot(shading.ng.into()) <= 0.0 {
+    let side = if below { -1.0 } else { 1.0 };
+    let cos = wi.z * side;
+    if !sample.valid || cos <= 0.0 || sample.wi.dot(shading.ng.into()) * side <= 0.0 {
         return (Rgb::BLACK, Rgb::BLACK);
     }
-    let arriving = sample.li * (wi.z / sample.pdf);
-    let diffuse = bsdf.eval_diffuse(shading.wo, wi) * arriving;
-    if !bsdf.lobes().intersects(Lobes::GLOSSY) {
-        return (diffuse, Rgb::BLACK);
+    let arriving = sample.li * (cos / sample.pdf);
+    let mut glossy = Rgb::BLACK;
+    for part in mix.parts().filter(|part| part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
+        let drawn = if light.is_delta() { 0.0 } else { part.bsdf.pdf_glossy(shading.wo, wi) };
+        let f = part.weight * part.bsdf.eval_glossy(shading.wo, wi);
+        glossy += f * heuristic::power(sample.pdf, drawn);
     }
-    let share =
-        if light.is_delta() { 1.0 } else { heuristic::power(sample.pdf, bsdf.pdf_glossy(shading.wo, wi)) };
-    (diffuse, bsdf.eval_glossy(shading.wo, wi) * arriving * share)
+    let diffuse = if below { Rgb::BLACK } else { mix.eval_diffuse(shading.wo, wi) };
+    (diffuse * arriving, glossy * arriving)
 }
 
 /// What is left of light on its way.
@@ -89,27 +121,30 @@ fn towards(it: &Interaction, light: &Light, sample: &LightSample<f32>) -> Ray {
     if light.is_infinite() { it.spawn(sample.wi.into()) } else { it.spawn_to(sample.p.into()) }
 }
 
-/// How much of a light's sample arrives: all or nothing, but for straight ways through glass where the scene asks for
-/// them.
+/// How much of a light's sample arrives: all or nothing, but for ways through glass where they are taken as
+/// `straight`.
 fn visibility<A: Accel>(
     stage: &Stage<'_, A>,
     from: &Interaction,
     light: &Light,
-    sample: &LightSample<f32>,
+    (sample, straight): (&LightSample<f32>, bool),
     counters: &mut Counters,
 ) -> Visibility {
     let ray = towards(from, light, sample);
     counters.shadow += 1;
-    if stage.scene.glass_shadows == GlassShadows::Opaque {
+    if !straight {
         return if stage.accel.occluded(&ray) { Visibility::BLOCKED } else { Visibility::CLEAR };
     }
     let mut seen = Visibility::CLEAR;
     let mut ray = ray;
     while let Some(hit) = stage.accel.intersect(&ray) {
         let it = stage.scene.world.interaction(&ray, &hit);
-        let Some(medium) = stage.scene.material(&it).1.medium() else { return Visibility::BLOCKED };
+        let material = stage.scene.material(&it).1;
+        if !material.scattering.is_clear() {
+            return Visibility::BLOCKED;
+        }
         seen.clear = false;
-        seen.through *= passed(medium, &it, hit.t * ray.d.length());
+        seen.through *= passed(material, &it, hit.t * ray.d.length());
         if seen.through.max_channel() < FAINTEST {
             return Visibility::BLOCKED;
         }
@@ -122,13 +157,13 @@ fn visibility<A: Accel>(
 /// Light that is less than this part of what it was is not followed through more glass.
 const FAINTEST: f32 = 1e-4;
 
-/// What a surface of glass passes on a straight way, and what the glass before it absorbed over `length`.
-///
-/// A body bends light in as it bends it out, so the true way meets both faces alike: the outer angle counts at each.
-fn passed(medium: &Medium, it: &Interaction, length: f32) -> Rgb<f32> {
-    let reflected = fresnel::dielectric(it.wo.dot(it.ns).abs(), medium.ior).reflectance;
-    let inside = if it.is_front() { Rgb::WHITE } else { medium.absorption.scale(-length).exp() };
-    inside.scale(1.0 - reflected)
+/// What a clear surface passes on a straight way, and what the glass before it absorbed over `length`.
+fn passed(material: &Material, it: &Interaction, length: f32) -> Rgb<f32> {
+    let inside = match material.medium() {
+        Some(medium) if !it.is_front() => medium.absorption.scale(-length).exp(),
+        _ => Rgb::WHITE,
+    };
+    inside * material.scattering.passes(it.wo.dot(it.ns).abs())
 }
 
 /// The density, per solid angle, with which asking lights would have found what a ray from `at` along `wi` met.

@@ -15,7 +15,7 @@ pub use whitted::Whitted;
 
 use crate::accel::Accel;
 use crate::geometry::Ray;
-use crate::material::Media;
+use crate::material::{MaterialId, Media};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
@@ -38,6 +38,18 @@ pub struct Stage<'a, A> {
     pub accel: &'a A,
     /// What the camera stands in.
     pub eye_media: Media,
+}
+
+impl<A> Stage<'_, A> {
+    /// Beer's law: what is left of light after `length` metres of a medium.
+    fn absorbed(&self, medium: Option<MaterialId>, length: f32) -> Rgb<f32> {
+        let Some(medium) = medium.and_then(|id| self.scene.materials[id.index()].medium()) else {
+            return Rgb::WHITE;
+        };
+        let pass = |sigma: f32| if sigma > 0.0 { (-sigma * length).exp() } else { 1.0 };
+        let Rgb { r, g, b } = medium.absorption;
+        Rgb::new(pass(r), pass(g), pass(b))
+    }
 }
 
 /// What one thread writes to.

@@ -19,13 +19,13 @@ pub(super) struct Shading {
 }
 
 impl Shading {
-    /// The frame at an interaction. Interpolated normals that turn away from the viewer, or that mirror the view into the
+    /// The frame at an interaction; its x is `tangent` where one is given, else arbitrary. Interpolated normals that turn away from the viewer, or that mirror the view into the
     /// surface, are bent back just far enough, so that no surface shows black rims.
-    pub(super) fn at(it: &Interaction) -> Self {
+    pub(super) fn at(it: &Interaction, tangent: Option<Point>) -> Self {
         let side = if it.is_front() { 1.0 } else { -1.0 };
         let (ng, ns) = (it.ng * side, it.ns * side);
         let ns = if it.ns == it.ng { ns } else { bent(ns, ng, it.wo) };
-        let frame = Frame::about(ns.into());
+        let frame = tangent.map_or_else(|| Frame::about(ns.into()), |tangent| along(ns, tangent));
         let mut wo = frame.to_local(it.wo.into());
         wo.z = wo.z.max(1e-7);
         Self { frame, wo, ng }
@@ -35,6 +35,12 @@ impl Shading {
     pub(super) fn to_world(self, wi: Vec3<f32>) -> Point {
         self.frame.to_world(wi).into()
     }
+}
+
+/// The frame about `ns` whose x is as near to `tangent` as can be.
+fn along(ns: Point, tangent: Point) -> Frame<f32> {
+    let x = (tangent - ns * tangent.dot(ns)).try_normalize().unwrap_or_else(|| ns.any_orthonormal_vector());
+    Frame { x: x.into(), y: ns.cross(x).into(), z: ns.into() }
 }
 
 /// The normal nearest to `ns` that mirrors `wo` to a direction above the surface.

@@ -3,7 +3,8 @@
 //! Whitted 1980 (An Improved Illumination Model for Shaded Display), with exact Fresnel terms, glossy lobes and area lights. At
 //! every surface: emission, direct light, and a branch per specular or glossy way on. A branch is cut where the path is
 //! long enough (`max_depth`) or where it would carry too little (`min_throughput`); both only darken. Diffuse light between
-//! surfaces is not followed: that is the path tracer's.
+//! surfaces is not followed: that is the path tracer's. A rough interface sends one ray on each of its sides, by the same
+//! facet.
 //!
 //! ```text
 //! push the camera ray
@@ -16,13 +17,13 @@
 //! ```
 
 use crate::accel::Accel;
-use crate::bsdf::{Branch, Bsdf};
+use crate::bsdf::{Branch, BsdfSample, Part};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::{Integrator, Radiance, Stage, Worker};
 use crate::light::Reference;
-use crate::material::{Crossing, Media};
+use crate::material::{Crossing, Material, Media};
 use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
 use glam::Vec3;
@@ -69,6 +70,13 @@ const MOST_HIDDEN: u32 = 256;
 const REFLECTED: u32 = 0;
 const REFRACTED: u32 = 1;
 const GLOSSY: u32 = 2;
+const GLOSSY_THROUGH: u32 = 3;
+
+/// Ways on from each part of a mix.
+const WAYS: u32 = 4;
+
+/// Stands in place of a part for the numbers that all parts but the first draw.
+const NUMBERS: u32 = 4;
 
 impl Integrator for Whitted {
     fn li<A: Accel, S: Sampler<I = u32>>(
@@ -122,21 +130,24 @@ impl Whitted {
         if emitted != Rgb::BLACK {
             *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
         }
-        let Some(bsdf) = material.bsdf(it.uv, eta) else { return true };
-        let shading = Shading::at(&it);
-        let receiver = Receiver { it: &it, shading, bsdf: &bsdf };
+        let Some(mix) = material.bsdf(it.uv, eta) else { return true };
+        let shading = Shading::at(&it, tangent(stage, &it, material));
+        let media = [node.media.current(), beyond.current()];
+        let receiver = Receiver { it: &it, shading, mix: &mix, media };
         if node.depth < self.max_depth {
             *sum += node.beta * direct::light(stage, &receiver, sampler, node.vertex, &mut worker.counters);
         }
-        let at = At { node: &node, it: &it, shading, beyond };
-        self.push_specular(&at, &bsdf, worker);
-        self.push_glossy(&at, &receiver, sampler, worker);
+        let at = At { node: &node, it: &it, shading, eta, beyond };
+        for (index, part) in (0..).zip(mix.parts()) {
+            self.push_specular(&at, part, index, worker);
+            self.push_glossy(&at, &receiver, (index, part), sampler, worker);
+        }
         true
     }
 
     /// The lighter branch is pushed last and followed first, so that few are pending.
-    fn push_specular(&self, at: &At<'_>, bsdf: &Bsdf<f32>, worker: &mut Worker) {
-        let mut branches = bsdf.branches(at.shading.wo);
+    fn push_specular(&self, at: &At<'_>, part: &Part<f32>, index: u32, worker: &mut Worker) {
+        let mut branches = part.bsdf.branches(at.shading.wo);
         let heavy = |branch: &Option<Branch<f32>>| branch.map_or(0.0, |b| b.weight.max_channel());
         if heavy(&branches[1]) > heavy(&branches[0]) {
             branches.swap(0, 1);
@@ -151,10 +162,10 @@ impl Whitted {
             let child = Node {
                 ray: at.it.spawn(d),
                 start: at.it.p,
-                beta: at.node.beta * branch.weight.scale(branch.radiance_scale),
+                beta: at.node.beta * part.weight * branch.weight.scale(branch.radiance_scale),
                 radiance_scale,
                 depth: at.node.depth + 1,
-                vertex: at.node.vertex.child(if branch.transmission { REFRACTED } else { REFLECTED }),
+                vertex: at.child(index, if branch.transmission { REFRACTED } else { REFLECTED }),
                 media: if branch.transmission { at.beyond } else { at.node.media },
                 drawn: None,
             };
@@ -173,26 +184,38 @@ impl Whitted {
         &self,
         at: &At<'_>,
         receiver: &Receiver<'_>,
+        (index, part): (u32, &Part<f32>),
         sampler: &S,
         worker: &mut Worker,
     ) {
-        let u2 = sampler.get_2d(Dim::LobeDirection, at.node.vertex);
-        let Some(sample) = receiver.bsdf.sample_glossy(at.shading.wo, u2) else { return };
-        let d = at.shading.to_world(sample.wi).normalize();
-        if !sample.valid || d.dot(at.shading.ng) <= 0.0 {
-            return;
-        }
-        let child = Node {
-            ray: at.it.spawn(d),
-            start: at.it.p,
-            beta: at.node.beta * sample.weight,
-            depth: at.node.depth + 1,
-            vertex: at.node.vertex.child(GLOSSY),
-            drawn: Some(Drawn { from: receiver.reference(), pdf: sample.pdf }),
-            ..*at.node
-        };
-        if self.push(child, worker) {
-            worker.counters.glossy += 1;
+        // Each part has numbers of its own; those of the first do not depend on there being others.
+        let vertex = if index == 0 { at.node.vertex } else { at.child(NUMBERS, index) };
+        let u2 = sampler.get_2d(Dim::LobeDirection, vertex);
+        for (way, sample) in
+            [GLOSSY, GLOSSY_THROUGH].into_iter().zip(part.bsdf.sample_glossy(at.shading.wo, u2))
+        {
+            let Some(sample) = sample.filter(|sample| sample.valid) else { continue };
+            let through = way == GLOSSY_THROUGH;
+            let d = at.shading.to_world(sample.wi).normalize();
+            if through != (d.dot(at.shading.ng) < 0.0) {
+                continue;
+            }
+            let BsdfSample { weight, pdf, .. } = sample;
+            // Already in the weight: radiance grows with the square of the index.
+            let grown = if through { (at.eta * at.eta).recip() } else { 1.0 };
+            let child = Node {
+                ray: at.it.spawn(d),
+                start: at.it.p,
+                beta: at.node.beta * part.weight * weight,
+                radiance_scale: at.node.radiance_scale * grown,
+                depth: at.node.depth + 1,
+                vertex: at.child(index, way),
+                media: if through { at.beyond } else { at.node.media },
+                drawn: Some(Drawn { from: receiver.reference(through), pdf }),
+            };
+            if self.push(child, worker) {
+                worker.counters.glossy += 1;
+            }
         }
     }
 
@@ -217,8 +240,24 @@ struct At<'a> {
     node: &'a Node,
     it: &'a Interaction,
     shading: Shading,
+    /// Index of refraction behind the surface over that before it.
+    eta: f32,
     /// The media behind the surface.
     beyond: Media,
+}
+
+impl At<'_> {
+    /// The node at the end of a way on from the part `index` of a mix.
+    fn child(&self, index: u32, way: u32) -> Vertex {
+        self.node.vertex.child(index * WAYS + way)
+    }
+}
+
+/// The first tangent of a surface that is not the same in all directions.
+fn tangent<A: Accel>(stage: &Stage<'_, A>, it: &Interaction, material: &Material) -> Option<Vec3> {
+    let (sin, cos) = material.scattering.turn()?.sin_cos();
+    let x = stage.scene.world.tangent(it);
+    Some(x * cos + it.ns.cross(x) * sin)
 }
 
 /// The surface that a branch ends at.
@@ -248,11 +287,15 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
                 clippy::float_cmp,
                 reason = "between equal media nothing is seen and no direction may change"
             )]
-            Crossing::Interface { eta, beyond } if eta != 1.0 => return Some(Arrival { it, eta, beyond }),
+            Crossing::Interface { eta, beyond } if eta != 1.0 || !material.is_interface() => {
+                return Some(Arrival { it, eta, beyond });
+            }
             Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
                 node.media = beyond;
                 node.ray = it.spawn(node.ray.d);
                 node.start = it.p;
+                // Shadow rays give such surfaces no pass, so that nothing is left to share.
+                node.drawn = None;
                 worker.counters.hidden += 1;
             }
         }
@@ -260,14 +303,9 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
     None
 }
 
-/// Beer's law over `length` metres of the medium that the branch is in.
+/// What the medium that the branch is in leaves of light over `length` metres.
 fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
-    let Some(medium) = node.media.current().and_then(|id| stage.scene.materials[id.index()].medium()) else {
-        return;
-    };
-    let pass = |sigma: f32| if sigma > 0.0 { (-sigma * length).exp() } else { 1.0 };
-    let Rgb { r, g, b } = medium.absorption;
-    node.beta *= Rgb::new(pass(r), pass(g), pass(b));
+    node.beta *= stage.absorbed(node.media.current(), length);
 }
 
 fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {

@@ -2,13 +2,13 @@
 
 pub mod conductors;
 mod media;
+mod scattering;
 
 pub use media::{Crossing, Media};
+pub use scattering::{Facets, Layer, Scattering};
 
-use crate::bsdf::microfacet::{Ggx, SMOOTHEST};
-use crate::bsdf::{Bsdf, Coat, Conductor, Dielectric, Diffuse, Glossy, Mirror, RoughConductor};
+use crate::bsdf::Mix;
 use crate::math::Rgb;
-use crate::texture::Texture;
 use glam::Vec2;
 
 /// Which material of a scene.
@@ -52,55 +52,17 @@ pub struct Emission {
     pub two_sided: bool,
 }
 
-/// What a surface does with light.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Scattering {
-    /// Nothing: a black surface, or a light.
-    Black,
-    /// Matt.
-    Diffuse {
-        /// Fraction reflected.
-        reflectance: Texture,
-    },
-    /// A mirror of constant reflectance.
-    Mirror {
-        /// Fraction reflected.
-        reflectance: Rgb<f32>,
-    },
-    /// Metal.
-    Conductor {
-        /// Real part of the index of refraction.
-        eta: Rgb<f32>,
-        /// Extinction.
-        k: Rgb<f32>,
-        /// GGX roughness; polished below [`SMOOTHEST`].
-        alpha: f32,
-    },
-    /// Glass, water: the boundary of a medium.
-    Dielectric(Medium),
-    /// A fuzzy mirror over a matt base.
-    Glossy {
-        /// Exponent of the lobe.
-        exponent: f32,
-        /// Fraction reflected by the lobe.
-        reflectance: Rgb<f32>,
-        /// Fraction reflected by the base.
-        base: Texture,
-    },
-    /// A smooth coat over a matt base.
-    Glazed {
-        /// The coat.
-        coat: Coat,
-        /// Fraction reflected by the base, coat removed.
-        base: Texture,
-    },
-}
-
 impl Material {
     /// The medium that the surface bounds.
     #[must_use]
     pub fn medium(&self) -> Option<&Medium> {
-        if let Scattering::Dielectric(medium) = &self.scattering { Some(medium) } else { None }
+        self.scattering.medium()
+    }
+
+    /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.
+    #[must_use]
+    pub fn is_interface(&self) -> bool {
+        matches!(self.scattering, Scattering::Dielectric { .. })
     }
 
     /// Radiance that leaves the surface, on its front or back.
@@ -115,23 +77,7 @@ impl Material {
     /// How the surface scatters at surface parameters `uv`; absent for black ones. `eta` is the index of
     /// the far side over that of the near side, and matters to dielectrics only.
     #[must_use]
-    pub fn bsdf(&self, uv: Vec2, eta: f32) -> Option<Bsdf<f32>> {
-        Some(match &self.scattering {
-            Scattering::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
-            Scattering::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: *reflectance }),
-            &Scattering::Conductor { eta, k, alpha } if alpha < SMOOTHEST => {
-                Bsdf::Conductor(Conductor { eta, k })
-            }
-            &Scattering::Conductor { eta, k, alpha } => {
-                Bsdf::RoughConductor(RoughConductor { eta, k, ggx: Ggx::isotropic(alpha) })
-            }
-            Scattering::Dielectric(_) => Bsdf::Dielectric(Dielectric { eta }),
-            Scattering::Glossy { exponent, reflectance, base } => Bsdf::Glossy {
-                lobe: Glossy { reflectance: *reflectance, exponent: *exponent },
-                base: Diffuse { reflectance: base.at(uv) },
-            },
-            Scattering::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(uv))),
-            Scattering::Black => return None,
-        })
+    pub fn bsdf(&self, uv: Vec2, eta: f32) -> Option<Mix<f32>> {
+        self.scattering.bsdf(uv, eta)
     }
 }

@@ -47,6 +47,10 @@ pub struct Named<T> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PerAxis(pub Vec3);
 
+/// A width along each tangent; a single number in the file stands for both.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PerTangent(pub [f32; 2]);
+
 /// A colour that may vary over a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
@@ -220,6 +224,8 @@ record! {
         backend: Backend = Backend::Embree;
         /// Where samples fall.
         sampler: Sampler = Sampler::Sobol;
+        /// How reflectance depends on the angle, in materials that do not say so themselves.
+        fresnel: Fresnel = Fresnel::Exact;
         /// How light on its way to a surface passes through glass.
         glass_shadows: GlassShadows = GlassShadows::Straight;
         /// Another seed gives another, equally valid noise.
@@ -270,6 +276,52 @@ choice! {
 }
 
 choice! {
+    /// How reflectance depends on the angle.
+    pub enum Fresnel {
+        /// Fresnel's equations.
+        "exact" => Exact,
+        /// Schlick's polynomial: within 0.06 for indices from 1.3 to 2.2, within 0.2 for metals, wrong for indices near 1.
+        "schlick" => Schlick,
+        /// Schlick's polynomial made exact near 82 degrees: within 0.034 for metals and for indices from 1.1 to 2.4.
+        "f82" => F82,
+        /// That of normal incidence at all angles: the metal of introductory lectures.
+        "constant" => Constant,
+    }
+}
+
+choice! {
+    /// How the normals of microfacets are spread.
+    pub enum Distribution {
+        /// Long tails, as most real surfaces have.
+        "ggx" => Ggx,
+        /// Gaussian slopes, no tails.
+        "beckmann" => Beckmann,
+    }
+}
+
+choice! {
+    /// What becomes of directions of a lobe that fall below the surface.
+    pub enum Below {
+        /// They are turned by half a turn about the mirror direction: nothing is lost.
+        "through_r" => ThroughR,
+        /// They count as black: the rim darkens.
+        "discard" => Discard,
+        /// Others are drawn instead: the lobe cut off at the surface and brought back to 1. Slower.
+        "rejection" => Rejection,
+    }
+}
+
+choice! {
+    /// What a reciprocal Phong lobe is multiplied by.
+    pub enum PhongScale {
+        /// (e + 2) / (2 pi), the modified Phong model: darkens with the angle, to its cosine where it is sharp.
+        "modified" => Modified,
+        /// (e + 2) / (2 pi) over the greater cosine: a mirror where it is sharp.
+        "max_cosine" => MaxCosine,
+    }
+}
+
+choice! {
     /// How light on its way to a surface passes through glass. The ray tree does not find the true, bent way.
     pub enum GlassShadows {
         /// Straight on, dimmed by reflection and absorption: brighter and nearer the truth for thin glass.
@@ -311,11 +363,18 @@ impl From<Scattering> for Material {
 
 tagged! {
     /// What a surface does with light.
-    pub enum Scattering by tag() {
+    pub enum Scattering by tag() checked by check::scattering {
         /// A matt surface.
         "diffuse" => Diffuse {
             /// The part of the light that is reflected, per channel.
             reflectance: Texture = Texture::gray(0.5), min(0.0), max(1.0);
+        }
+        /// A rough matt surface, such as plaster or clay.
+        "oren_nayar" => OrenNayar {
+            /// The part of the light that each slope reflects, per channel.
+            reflectance: Texture = Texture::gray(0.5), min(0.0), max(1.0);
+            /// From 0, the same as `diffuse`, to 1.
+            roughness: f32 = 0.5, min(0.0), max(1.0);
         }
         /// An ideal mirror, the same at all angles.
         "mirror" => Mirror {
@@ -324,11 +383,18 @@ tagged! {
         }
         /// A metal.
         "conductor" => Conductor {
-            /// Width of the GGX distribution of facets; 0 is a mirror.
-            alpha: f32 = 0.0, min(0.0), max(1.0);
+            /// Width of the distribution of facets, one number or one along each tangent; 0 is a mirror. Tangents follow the
+            /// texture coordinates of a mesh, and run around the y axis where there are none.
+            alpha: PerTangent = PerTangent([0.0; 2]), min(0.0), max(1.0);
+            /// How the normals of the facets are spread.
+            distribution: Distribution = Distribution::Ggx;
+            /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
+            rotate_deg: f32 = 0.0, unit("degrees");
+            /// How reflectance depends on the angle; absent: as the table `render` says.
+            fresnel: Option<Fresnel>;
             ..optics: Optics, "How much it reflects at which angle.";
         }
-        /// A clear body with a smooth surface, such as glass or water.
+        /// A clear body, such as glass or water, polished or frosted.
         "dielectric" => Dielectric {
             /// Index of refraction against that of air; 1 is invisible.
             ior: f32 = 1.5, min(1.0), max(10.0);
@@ -336,12 +402,52 @@ tagged! {
             absorption: Rgb<f32> = Rgb::gray(0.0), unit("1/m"), min(0.0);
             /// Where bodies overlap, the one of the highest priority is there.
             priority: i32 = 0;
+            /// Width of the distribution of facets, one number or one along each tangent; 0 is polished. Tangents follow the
+            /// texture coordinates of a mesh, and run around the y axis where there are none.
+            alpha: PerTangent = PerTangent([0.0; 2]), min(0.0), max(1.0);
+            /// How the normals of the facets are spread.
+            distribution: Distribution = Distribution::Ggx;
+            /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
+            rotate_deg: f32 = 0.0, unit("degrees");
+            /// How reflectance depends on the angle; absent: as the table `render` says.
+            fresnel: Option<Fresnel>;
+        }
+        /// A clear sheet without thickness, such as a window pane: what goes through is not bent.
+        "thin_dielectric" => ThinDielectric {
+            /// Index of refraction against that of air; 1 is invisible but for its transmittance.
+            ior: f32 = 1.5, min(1.0), max(10.0);
+            /// What is left of light that crosses the sheet once straight on, per channel.
+            transmittance: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1.0);
+            /// How reflectance depends on the angle; absent: as the table `render` says.
+            fresnel: Option<Fresnel>;
         }
         /// A coloured base under a Phong lobe.
         "glossy" => Glossy {
             /// Exponent of the lobe; larger is sharper.
             exponent: f32 = 100.0, min(0.0), max(1e9);
             /// The part of the light that the lobe reflects, per channel.
+            reflectance: Rgb<f32> = Rgb::gray(0.8), min(0.0), max(1.0);
+            /// The part of the light that the base reflects, per channel.
+            diffuse: Texture = Texture::gray(0.0), min(0.0), max(1.0);
+            /// What becomes of directions of the lobe that fall below the surface.
+            below: Below = Below::ThroughR;
+        }
+        /// A coloured base under a Phong lobe that obeys reciprocity and darkens towards grazing.
+        "phong" => Phong {
+            /// Exponent of the lobe; larger is sharper.
+            exponent: f32 = 100.0, min(0.0), max(1e9);
+            /// The part of the light that the lobe reflects at most, per channel.
+            reflectance: Rgb<f32> = Rgb::gray(0.8), min(0.0), max(1.0);
+            /// The part of the light that the base reflects, per channel.
+            diffuse: Texture = Texture::gray(0.0), min(0.0), max(1.0);
+            /// What the lobe is multiplied by.
+            scale: PhongScale = PhongScale::MaxCosine;
+        }
+        /// A coloured base under a mirror whose normal trembles.
+        "jitter" => Jitter {
+            /// Exponent of the distribution of normals; four times that of a lobe of `glossy` is as sharp.
+            exponent: f32 = 400.0, min(0.0), max(1e9);
+            /// The part of the light that the mirror reflects, per channel.
             reflectance: Rgb<f32> = Rgb::gray(0.8), min(0.0), max(1.0);
             /// The part of the light that the base reflects, per channel.
             diffuse: Texture = Texture::gray(0.0), min(0.0), max(1.0);
@@ -352,6 +458,22 @@ tagged! {
             ior: f32 = 1.5, min(1.0), max(10.0);
             /// The part of the light that the base reflects, per channel.
             reflectance: Texture = Texture::gray(0.5), min(0.0), max(1.0);
+            /// How the reflectance of the coat depends on the angle; absent: as the table `render` says.
+            fresnel: Option<Fresnel>;
+        }
+        /// A surface between matt and mirror by one number, after Schlick.
+        "schlick" => Schlick {
+            /// Colour straight on, per channel; whiter towards grazing.
+            color: Rgb<f32> = Rgb::gray(0.8), min(0.0), max(1.0);
+            /// From 0, a mirror, to 1, matt; part of the light is lost between, half of it at 0.5.
+            roughness: f32 = 0.2, min(0.0), max(1.0);
+            /// 1 is the same in all directions; less is brushed along the first tangent of `conductor`.
+            isotropy: f32 = 1.0, above(0.0), max(1.0);
+        }
+        /// Other materials in one place, each with its share of the light.
+        "mix" => Mix {
+            /// One to four parts, whose weights add up to at most 1.
+            parts: Vec<MixPart>;
         }
         /// A surface that shines and reflects nothing.
         "emission" => Emission {
@@ -360,6 +482,57 @@ tagged! {
             /// Whether it shines on both sides, not only on that of its normals.
             two_sided: bool = false;
         }
+    }
+}
+
+record! {
+    /// A part of a mix.
+    pub struct MixPart {
+        /// Name of the material; neither a mix nor a light.
+        material: Located<String>;
+        /// Its share of the light, per channel.
+        weight: Rgb<f32> = Rgb::gray(0.5), min(0.0), max(1.0);
+    }
+}
+
+impl Scattering {
+    /// Polished clear glass of this index.
+    #[must_use]
+    pub const fn glass(ior: f32) -> Self {
+        Self::Dielectric {
+            ior,
+            absorption: Rgb::BLACK,
+            priority: 0,
+            alpha: PerTangent([0.0; 2]),
+            distribution: Distribution::Ggx,
+            rotate_deg: 0.0,
+            fresnel: None,
+        }
+    }
+
+    /// A metal with facets of this width, alike in all directions.
+    #[must_use]
+    pub const fn metal(alpha: f32, optics: Optics) -> Self {
+        let distribution = Distribution::Ggx;
+        Self::Conductor {
+            alpha: PerTangent([alpha; 2]),
+            distribution,
+            rotate_deg: 0.0,
+            fresnel: None,
+            optics,
+        }
+    }
+
+    /// A coat of this index over a base.
+    #[must_use]
+    pub const fn glazed(ior: f32, reflectance: Texture) -> Self {
+        Self::Glazed { ior, reflectance, fresnel: None }
+    }
+
+    /// A Phong lobe over a base.
+    #[must_use]
+    pub const fn glossy(exponent: f32, reflectance: Rgb<f32>, diffuse: Texture) -> Self {
+        Self::Glossy { exponent, reflectance, diffuse, below: Below::ThroughR }
     }
 }
 

@@ -1,52 +1,178 @@
 //! Materials.
 
-use crate::bsdf::Coat;
+use crate::bsdf::microfacet::{Beckmann, Distribution, Ggx, SMOOTHEST};
+use crate::bsdf::{
+    Below, Coat, FresnelModel, Glass, Glossy, Jitter, Metal, Phong, PhongScale, Schlick, ThinDielectric,
+};
 use crate::error::Problem;
-use crate::material::{Emission, Material, Medium, Scattering, conductors};
+use crate::material::{Emission, Facets, Layer, Material, Medium, Scattering, conductors};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
-use crate::scene::description::{self, Named, Optics};
+use crate::scene::description::{self, Fresnel, MixPart, Named, Optics, PerTangent};
 use crate::texture::Texture;
+
+/// Indices of refraction for which Schlick's polynomial is within 0.06.
+const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
 
 impl Builder {
     pub(super) fn add_materials(&mut self, materials: &[Named<description::Material>]) {
-        for named in materials {
-            let material = self.material(&named.value);
+        let plain: Vec<Option<Material>> = materials.iter().map(|named| self.plain(named)).collect();
+        for (named, own) in materials.iter().zip(&plain) {
+            let material = own.clone().unwrap_or_else(|| self.mix(named, materials, &plain));
             self.add_material(material);
             self.material_names.push(named.name.clone());
         }
     }
 
-    pub(super) fn material(&mut self, material: &description::Material) -> Material {
-        let (scattering, mut radiance, mut two_sided) = self.scattering(&material.scattering);
-        radiance += material.emission;
-        two_sided &= material.emission.is_black();
-        let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
-        Material { scattering, emission }
+    /// A material that is no mix, its warnings placed at its name.
+    fn plain(&mut self, named: &Named<description::Material>) -> Option<Material> {
+        if let description::Scattering::Mix { .. } = named.value.scattering {
+            return None;
+        }
+        let before = self.warnings.len();
+        let material = self.material(&named.value);
+        for warning in &mut self.warnings[before..] {
+            warning.place = Some(named.place.clone());
+        }
+        Some(material)
     }
 
-    /// What a surface does, the radiance it gives off by its kind, and whether on both sides.
-    fn scattering(&mut self, scattering: &description::Scattering) -> (Scattering, Rgb<f32>, bool) {
-        use description::Scattering as Described;
-        let made = match scattering {
-            Described::Diffuse { reflectance } => Scattering::Diffuse { reflectance: texture(reflectance) },
-            &Described::Mirror { reflectance } => Scattering::Mirror { reflectance },
-            Described::Conductor { alpha, optics } => {
-                let (eta, k) = self.optics(optics);
-                Scattering::Conductor { eta, k, alpha: *alpha }
-            }
-            &Described::Dielectric { ior, absorption, priority } => {
-                Scattering::Dielectric(Medium { ior, absorption, priority })
-            }
-            Described::Glossy { exponent, reflectance, diffuse } => {
-                Scattering::Glossy { exponent: *exponent, reflectance: *reflectance, base: texture(diffuse) }
-            }
-            Described::Glazed { ior, reflectance } => {
-                Scattering::Glazed { coat: Coat::new(*ior), base: texture(reflectance) }
-            }
-            &Described::Emission { radiance, two_sided } => return (Scattering::Black, radiance, two_sided),
+    fn mix(
+        &mut self,
+        named: &Named<description::Material>,
+        materials: &[Named<description::Material>],
+        plain: &[Option<Material>],
+    ) -> Material {
+        let description::Scattering::Mix { parts } = &named.value.scattering else {
+            return self.material(&named.value);
         };
-        (made, Rgb::BLACK, false)
+        let mut layers = Vec::new();
+        for MixPart { material, weight } in parts {
+            let found = materials.iter().position(|other| other.name == material.value);
+            match found.and_then(|index| plain[index].as_ref()) {
+                Some(part) if part.emission.is_none() => {
+                    layers.push(Layer { weight: *weight, scattering: part.scattering.clone() });
+                }
+                Some(_) => {
+                    let what = format!("`{}` shines, which a part of a mix cannot", material.value);
+                    let remedy = "give the mix a key `emission` instead";
+                    self.problems.push(Problem::at(material.place.clone(), what).remedy(remedy));
+                }
+                None => {
+                    let what = format!("no material `{}` that is not a mix", material.value);
+                    let remedy = "name materials that are not mixes themselves";
+                    self.problems.push(Problem::at(material.place.clone(), what).remedy(remedy));
+                }
+            }
+        }
+        if layers.iter().filter(|layer| matches!(layer.scattering, Scattering::Dielectric { .. })).count() > 1
+        {
+            let what = format!("`{}` would be the surface of two bodies", named.name);
+            let remedy = "let one part at most be a `dielectric`";
+            self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
+        }
+        shining(Scattering::Mix(layers), named.value.emission)
+    }
+
+    pub(super) fn material(&mut self, material: &description::Material) -> Material {
+        if let description::Scattering::Emission { radiance, two_sided } = material.scattering {
+            let radiance = radiance + material.emission;
+            let two_sided = two_sided && material.emission.is_black();
+            let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
+            return Material { scattering: Scattering::Black, emission };
+        }
+        let scattering = self.matt(&material.scattering).unwrap_or_else(|| self.shiny(&material.scattering));
+        shining(scattering, material.emission)
+    }
+
+    /// Surfaces without an interface.
+    fn matt(&self, scattering: &description::Scattering) -> Option<Scattering> {
+        use description::Scattering as Described;
+        Some(match scattering {
+            Described::Diffuse { reflectance } => Scattering::Diffuse { reflectance: texture(reflectance) },
+            Described::OrenNayar { reflectance, roughness } => {
+                Scattering::OrenNayar { reflectance: texture(reflectance), roughness: *roughness }
+            }
+            &Described::Mirror { reflectance } => Scattering::Mirror { reflectance },
+            Described::Glossy { exponent, reflectance, diffuse, below } => {
+                let below = match below {
+                    description::Below::ThroughR => Below::ThroughR,
+                    description::Below::Discard => Below::Discard,
+                    description::Below::Rejection => Below::Rejection,
+                };
+                let lobe = Glossy { reflectance: *reflectance, exponent: *exponent, below };
+                Scattering::Glossy { lobe, base: texture(diffuse) }
+            }
+            Described::Phong { exponent, reflectance, diffuse, scale } => {
+                let scale = match scale {
+                    description::PhongScale::Modified => PhongScale::Modified,
+                    description::PhongScale::MaxCosine => PhongScale::MaxCosine,
+                };
+                let lobe = Phong { reflectance: *reflectance, exponent: *exponent, scale };
+                Scattering::Phong { lobe, base: texture(diffuse) }
+            }
+            Described::Jitter { exponent, reflectance, diffuse } => {
+                let lobe = Jitter { reflectance: *reflectance, exponent: *exponent };
+                Scattering::Jitter { lobe, base: texture(diffuse) }
+            }
+            &Described::Schlick { color, roughness, isotropy } => {
+                Scattering::Schlick(Schlick::new(color, roughness, isotropy))
+            }
+            _ => return None,
+        })
+    }
+
+    /// Surfaces that reflect by Fresnel.
+    fn shiny(&mut self, scattering: &description::Scattering) -> Scattering {
+        use description::Scattering as Described;
+        match scattering {
+            Described::Conductor { alpha, distribution, rotate_deg, fresnel, optics } => {
+                let (eta, k) = self.optics(optics);
+                let metal = Metal::new(self.model(*fresnel), eta, k);
+                Scattering::Conductor { metal, facets: facets(*alpha, *distribution, *rotate_deg) }
+            }
+            &Described::Dielectric {
+                ior,
+                absorption,
+                priority,
+                alpha,
+                distribution,
+                rotate_deg,
+                fresnel,
+            } => Scattering::Dielectric {
+                medium: Medium { ior, absorption, priority },
+                fresnel: self.model_for(fresnel, ior),
+                facets: facets(alpha, distribution, rotate_deg),
+            },
+            &Described::ThinDielectric { ior, transmittance, fresnel } => {
+                let glass = Glass::new(self.model_for(fresnel, ior), ior);
+                Scattering::ThinDielectric(ThinDielectric { glass, transmittance })
+            }
+            Described::Glazed { ior, reflectance, fresnel } => {
+                let coat = Coat::new(self.model_for(*fresnel, *ior), *ior);
+                Scattering::Glazed { coat, base: texture(reflectance) }
+            }
+            _ => Scattering::Black,
+        }
+    }
+
+    /// What a material says of its reflectance, else what the rendering says: who writes it beside a material means that
+    /// one, as in a comparison.
+    fn model(&self, own: Option<Fresnel>) -> FresnelModel {
+        own.map_or(self.fresnel, Into::into)
+    }
+
+    /// The same for a dielectric, of which it is told where the approximation is bad.
+    fn model_for(&mut self, own: Option<Fresnel>, ior: f32) -> FresnelModel {
+        let model = self.model(own);
+        #[expect(clippy::float_cmp, reason = "no interface reflects nothing in every model")]
+        if model == FresnelModel::Schlick && ior != 1.0 && !SCHLICK_IS_CLOSE.contains(&ior) {
+            let (low, high) = (SCHLICK_IS_CLOSE.start(), SCHLICK_IS_CLOSE.end());
+            let what = format!("Schlick's reflectance is far off for an index of {ior}");
+            let remedy = format!("keep it for {low} to {high}, use `fresnel = \"exact\"` elsewhere");
+            self.warnings.push(Problem::new(what).remedy(remedy));
+        }
+        model
     }
 
     fn optics(&mut self, optics: &Optics) -> (Rgb<f32>, Rgb<f32>) {
@@ -66,6 +192,42 @@ impl Builder {
             }
         }
     }
+}
+
+impl From<Fresnel> for FresnelModel {
+    fn from(described: Fresnel) -> Self {
+        match described {
+            Fresnel::Exact => Self::Exact,
+            Fresnel::Schlick => Self::Schlick,
+            Fresnel::F82 => Self::F82,
+            Fresnel::Constant => Self::Constant,
+        }
+    }
+}
+
+/// A surface that may shine on the side of its normals.
+fn shining(scattering: Scattering, radiance: Rgb<f32>) -> Material {
+    let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided: false });
+    Material { scattering, emission }
+}
+
+/// Facets of these widths; none where both are too smooth to tell from a mirror.
+fn facets(
+    PerTangent([x, y]): PerTangent,
+    distribution: description::Distribution,
+    rotate_deg: f32,
+) -> Option<Facets> {
+    if x.max(y) < SMOOTHEST {
+        return None;
+    }
+    let (alpha_x, alpha_y) = (x.max(SMOOTHEST), y.max(SMOOTHEST));
+    let distribution = match distribution {
+        description::Distribution::Ggx => Distribution::Ggx(Ggx { alpha_x, alpha_y }),
+        description::Distribution::Beckmann => Distribution::Beckmann(Beckmann { alpha_x, alpha_y }),
+    };
+    #[expect(clippy::float_cmp, reason = "only equal widths look the same from all sides")]
+    let turn = (alpha_x != alpha_y).then_some(rotate_deg.to_radians());
+    Some(Facets { distribution, turn })
 }
 
 fn texture(texture: &description::Texture) -> Texture {

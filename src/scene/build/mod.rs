@@ -14,6 +14,7 @@ mod steps;
 mod surfaces;
 mod way;
 
+use crate::bsdf::FresnelModel;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
@@ -38,13 +39,14 @@ pub struct Built {
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
-    let mut builder = Builder { shutter, ..Builder::default() };
+    let fresnel = description.render.fresnel.into();
+    let mut builder = Builder { shutter, fresnel, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
     let film = description.film.clone();
     let camera = camera::camera(&description.camera, [film.width, film.height]);
-    let has_glass = builder.materials.iter().any(|material| material.medium().is_some());
+    let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
     let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
     let scene = Scene {
         world: Arc::new(builder.world),
@@ -68,6 +70,8 @@ struct Builder {
     surfaces: Vec<Surface>,
     origins: Vec<Place>,
     materials: Vec<Material>,
+    /// How reflectance depends on the angle where a material does not say.
+    fresnel: FresnelModel,
     /// Names of the scene's own materials, by number; those of mesh files follow without names.
     material_names: Vec<String>,
     lights: Vec<Light>,

@@ -1,7 +1,8 @@
 //! What the keys of one table must satisfy together.
 
+use crate::bsdf::MOST_PARTS;
 use crate::camera::Viewpoint;
-use crate::scene::description::{Camera, CameraKey, Form, Light, Shape, Step};
+use crate::scene::description::{Camera, CameraKey, Form, Light, Scattering, Shape, Step};
 use crate::scene::load::decode::Fields;
 use crate::scene::track;
 use glam::{Mat3, Vec3, Vec4};
@@ -115,6 +116,24 @@ pub(crate) fn form(form: &Form, fields: &mut Fields<'_>) {
             fields.problem("minor_radius", "`minor_radius` is not below `major_radius`", remedy);
         }
         _ => {}
+    }
+}
+
+/// Mixes have parts, and make no light.
+pub(crate) fn scattering(scattering: &Scattering, fields: &mut Fields<'_>) {
+    let Scattering::Mix { parts } = scattering else { return };
+    let remedy = format!("give one to {MOST_PARTS}");
+    if parts.is_empty() {
+        fields.problem("parts", "`parts` is empty", &remedy);
+    } else if parts.len() > MOST_PARTS {
+        fields.problem("parts", "`parts` has too many entries", &remedy);
+    }
+    let sum = parts.iter().fold([0.0; 3], |[r, g, b], part| {
+        let weight = part.weight;
+        [r + weight.r, g + weight.g, b + weight.b]
+    });
+    if sum.iter().any(|total| *total > 1.0 + 1e-5) {
+        fields.problem("parts", "the weights of `parts` add up to more than 1", "give them smaller weights");
     }
 }
 

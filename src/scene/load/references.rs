@@ -22,6 +22,9 @@ pub(crate) fn check(tree: &Node, report: &mut Report) {
     let known: HashSet<&str> = materials.iter().copied().collect();
     let shapes = tree.get("shapes").and_then(Node::items).unwrap_or(&[]);
     let names = names(shapes, report);
+    for entry in tree.get("materials").and_then(Node::entries).unwrap_or(&[]) {
+        check_mix(&entry.node, tree, &materials, report);
+    }
     for shape in shapes {
         check_material(shape, &known, &materials, report);
         check_instance(shape, &names, report);
@@ -61,6 +64,36 @@ fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], repor
     if !known.contains(name) {
         let remedy = words::suggest_name(name, materials, "material");
         report.error(&node.spot, format!("unknown material `{name}`"), remedy);
+    }
+}
+
+/// The parts of a mix exist, and are not mixes or lights.
+fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Report) {
+    let kind = |node: &Node| node.get("type").and_then(Node::text).map(str::to_owned);
+    if kind(material).as_deref() != Some("mix") {
+        return;
+    }
+    for part in material.get("parts").and_then(Node::items).unwrap_or(&[]) {
+        let Some(node) = part.get("material") else { continue };
+        let Some(name) = node.text() else { continue };
+        let Some(found) = tree.get("materials").and_then(|all| all.get(name)) else {
+            let remedy = words::suggest_name(name, materials, "material");
+            report.error(&node.spot, format!("unknown material `{name}`"), remedy);
+            continue;
+        };
+        match kind(found).as_deref() {
+            Some("mix") => {
+                report.error(&node.spot, format!("`{name}` is a mix itself"), "name its parts here");
+            }
+            Some("emission") => {
+                report.error(
+                    &node.spot,
+                    format!("`{name}` is a light"),
+                    "give the mix a key `emission` instead",
+                );
+            }
+            _ => {}
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The types that can stand behind a key: numbers, vectors, colours, words, files, lists.
 
 use crate::math::Rgb;
-use crate::scene::description::{Checker, Located, Named, PerAxis, Texture};
+use crate::scene::description::{Checker, Located, Named, PerAxis, PerTangent, Texture};
 use crate::scene::load::node::{Content, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::{files, words};
@@ -297,6 +297,29 @@ impl Value for PerAxis {
 
     fn to_json(&self) -> Json {
         one_or_three_json(self.0.into())
+    }
+}
+
+impl Value for PerTangent {
+    fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
+        if let Content::Integer(_) | Content::Float(_) = node.content {
+            return f32::decode(node, key, rules, report).map(|x| Self([x; 2]));
+        }
+        items::<Self>(node, 2, key, rules, report)?;
+        <[f32; 2]>::decode(node, key, rules, report).map(Self)
+    }
+
+    fn expects(rules: &Rules) -> String {
+        format!("a number or two numbers [x, y]{}", rules.in_words())
+    }
+
+    fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
+        json!({ "anyOf": [f32::schema(rules, definitions), <[f32; 2]>::schema(rules, definitions)] })
+    }
+
+    #[expect(clippy::float_cmp, reason = "only equal numbers are written once")]
+    fn to_json(&self) -> Json {
+        if self.0[0] == self.0[1] { self.0[0].to_json() } else { self.0.to_json() }
     }
 }
 

@@ -139,16 +139,11 @@ impl Count {
     /// Materials, each counted once and named by the first shape made of it.
     fn materials(&mut self, scene: &Scene, origins: &[Place]) {
         for (id, placement) in materials_in_use(scene) {
-            let capability = match &scene.materials[id.index()].scattering {
-                Scattering::Mirror { .. } | Scattering::Glazed { .. } => Capability::Mirrors,
-                Scattering::Conductor { alpha, .. } if *alpha < crate::bsdf::microfacet::SMOOTHEST => {
-                    Capability::Mirrors
+            for part in scene.materials[id.index()].scattering.parts() {
+                for capability in capabilities(part) {
+                    self.add(*capability, 1, origins.get(placement.index()));
                 }
-                Scattering::Dielectric(_) => Capability::Refraction,
-                Scattering::Conductor { .. } | Scattering::Glossy { .. } => Capability::GlossyLobes,
-                Scattering::Diffuse { .. } | Scattering::Black => continue,
-            };
-            self.add(capability, 1, origins.get(placement.index()));
+            }
         }
     }
 
@@ -171,6 +166,27 @@ impl Count {
             Need { capability, count, first }
         };
         Capability::ALL.into_iter().map(&mut take).collect()
+    }
+}
+
+/// What a surface asks for.
+const fn capabilities(scattering: &Scattering) -> &'static [Capability] {
+    match scattering {
+        Scattering::Mirror { .. } | Scattering::Glazed { .. } => &[Capability::Mirrors],
+        Scattering::Conductor { facets: None, .. } => &[Capability::Mirrors],
+        Scattering::Dielectric { facets: None, .. } | Scattering::ThinDielectric(_) => {
+            &[Capability::Refraction]
+        }
+        Scattering::Dielectric { .. } => &[Capability::Refraction, Capability::GlossyLobes],
+        Scattering::Schlick(_) => &[Capability::Mirrors, Capability::GlossyLobes],
+        Scattering::Conductor { .. }
+        | Scattering::Glossy { .. }
+        | Scattering::Phong { .. }
+        | Scattering::Jitter { .. } => &[Capability::GlossyLobes],
+        Scattering::Diffuse { .. }
+        | Scattering::OrenNayar { .. }
+        | Scattering::Black
+        | Scattering::Mix(_) => &[],
     }
 }
 

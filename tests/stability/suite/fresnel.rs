@@ -3,7 +3,7 @@
 use super::axes::{cosine, eta, extinction, few_above, fraction};
 use super::big::{Big, big, unit};
 use super::row::Row;
-use specula::bsdf::{Dielectric, fresnel};
+use specula::bsdf::{Dielectric, FresnelModel, Glass, fresnel};
 use specula::math::Vec3;
 
 /// Fresnel's equations for indices 1 and eta; the cosine of the refracted direction, `None` under total reflection.
@@ -89,8 +89,11 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(
             "Schlick for a dielectric",
             [cosine(), eta()],
-            |c, e| [fresnel::schlick_dielectric(c, e)],
+            |c, e| [Glass::new(FresnelModel::Schlick, e).at(c).reflectance],
             |t| {
+                if t[1] == big(1.0) {
+                    return Some(vec![big(0.0)]);
+                }
                 let r0 = ((&t[1] - 1.0) / (&t[1] + 1.0)).square();
                 Some(vec![dielectric(&t[0], &t[1]).map_or(big(1.0), |[_, inner]| {
                     let m = big(1.0) - if t[1] < big(1.0) { &inner } else { &t[0] };
@@ -115,7 +118,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "Snell: refracted direction",
             [few_above(), eta()],
             |x, y, z, e| {
-                let b = Dielectric { eta: e }.branches(Vec3::new(x, y, z))[1];
+                let b = Dielectric { glass: Glass::exact(e) }.branches(Vec3::new(x, y, z))[1];
                 [b.wi.x, b.wi.y, b.wi.z]
             },
             |t| {

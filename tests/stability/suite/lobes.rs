@@ -5,8 +5,8 @@ use super::big::{Big, big, dot, minus, pi, unit};
 use super::fresnel::dielectric;
 use super::row::Row;
 use super::warps::power;
-use specula::bsdf::microfacet::Ggx;
-use specula::bsdf::{Diffuse, Glazed, Glossy, Mirror, RoughConductor};
+use specula::bsdf::microfacet::{Distribution, Ggx};
+use specula::bsdf::{Diffuse, FresnelModel, Glass, Glazed, Glossy, Metal, Mirror, RoughConductor};
 use specula::math::lanes::{Compare, Lanes, Select};
 use specula::math::{Rgb, Vec3};
 
@@ -22,6 +22,17 @@ fn ggx_d(h: &[Big], ax: &Big, ay: &Big) -> Big {
 fn lambda(w: &[Big], ax: &Big, ay: &Big) -> Big {
     let tan2 = ((&w[0] * ax).square() + (&w[1] * ay).square()) / w[2].square();
     ((tan2 + 1.0).sqrt() - 1.0) / 2.0
+}
+
+#[inline(always)]
+fn ggx<F: Lanes>(alpha: F) -> Distribution<F> {
+    Distribution::Ggx(Ggx::isotropic(alpha))
+}
+
+#[inline(always)]
+fn rough<F: Lanes>(eta: F, k: F, alpha: F) -> RoughConductor<F> {
+    let metal = Metal::new(FresnelModel::Exact, Rgb::gray(eta), Rgb::gray(k));
+    RoughConductor { metal, facets: ggx(alpha) }
 }
 
 /// A direction above the surface near the mirror direction of another: what narrow lobes have to tell apart.
@@ -60,7 +71,7 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(
             "GGX: masking",
             [above(), alpha(), alpha()],
-            |x, y, z, ax, ay| [Ggx { alpha_x: ax, alpha_y: ay }.g1(Vec3::new(x, y, z))],
+            |x, y, z, ax, ay| [Distribution::Ggx(Ggx { alpha_x: ax, alpha_y: ay }).g1(Vec3::new(x, y, z))],
             |t| {
                 let seen = t[2].is_positive();
                 seen.then(|| vec![big(1.0) / (lambda(&t[..3], &t[3], &t[4]) + 1.0)])
@@ -71,7 +82,7 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(
             "GGX: masking of both",
             [few_above(), few_above(), alpha()],
-            |x, y, z, a, b, c, r| [Ggx::isotropic(r).g2(Vec3::new(x, y, z), Vec3::new(a, b, c))],
+            |x, y, z, a, b, c, r| [ggx(r).g2(Vec3::new(x, y, z), Vec3::new(a, b, c))],
             |t| {
                 if !t[2].is_positive() || !t[5].is_positive() {
                     return None;
@@ -96,7 +107,7 @@ pub(crate) fn rows() -> Vec<Row> {
             |x, y, z, a, b, c, r| {
                 let (wo, wi) = (Vec3::new(x, y, z), Vec3::new(a, b, c));
                 let one = Lanes::splat(r, 1.0);
-                let metal = RoughConductor { eta: Rgb::gray(one), k: Rgb::gray(one), ggx: Ggx::isotropic(r) };
+                let metal = rough(one, one, r);
                 [metal.pdf(wo, wi)]
             },
             |t| {
@@ -113,7 +124,7 @@ pub(crate) fn rows() -> Vec<Row> {
             |x, y, z, a, b, c, r| {
                 let (wo, wi) = (Vec3::new(x, y, z), Vec3::new(a, b, c));
                 let (eta, k) = (Lanes::splat(r, 1.0), Lanes::splat(r, 1e6));
-                let metal = RoughConductor { eta: Rgb::gray(eta), k: Rgb::gray(k), ggx: Ggx::isotropic(r) };
+                let metal = rough(eta, k, r);
                 [metal.eval(wo, wi).r]
             },
             |t| {
@@ -127,7 +138,7 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(
             "rough conductor: fraction seen of what is sampled",
             [few_above(), few_above(), alpha()],
-            |x, y, z, a, b, c, r| [Ggx::isotropic(r).g2_over_g1(Vec3::new(x, y, z), Vec3::new(a, b, c))],
+            |x, y, z, a, b, c, r| [ggx(r).g2_over_g1(Vec3::new(x, y, z), Vec3::new(a, b, c))],
             |t| {
                 let (_, l_o, l_i) = half(t)?;
                 Some(vec![(&l_o + 1.0) / (l_o + l_i + 1.0)])
@@ -140,7 +151,7 @@ pub(crate) fn rows() -> Vec<Row> {
             [above(), number(), number(), alpha()],
             |x, y, z, u, v, r| {
                 let one = Lanes::splat(r, 1.0);
-                let metal = RoughConductor { eta: Rgb::gray(one), k: Rgb::gray(r), ggx: Ggx::isotropic(r) };
+                let metal = rough(one, r, r);
                 let sample = metal.sample(Vec3::new(x, y, z), [u, v]);
                 // What is not valid may be anything.
                 let or_one = |x| Select::select(sample.valid, x, one);
@@ -155,7 +166,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "glazed: value",
             [few_above(), few_above(), coat(), fraction()],
             |x, y, z, a, b, c, e, r| {
-                let lobe = Glazed { eta: e, inside: Rgb::gray(r) };
+                let lobe = Glazed { glass: Glass::exact(e), inside: Rgb::gray(r) };
                 [lobe.diffuse(Vec3::new(x, y, z), Vec3::new(a, b, c)).r]
             },
             |t| {
@@ -182,7 +193,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "glossy: density near the mirror direction",
             [few_above(), nearby(), exponent()],
             |x, y, z, a, b, c, e| {
-                let lobe = Glossy { reflectance: Rgb::gray(e), exponent: e };
+                let lobe = Glossy::new(Rgb::gray(e), e);
                 [lobe.pdf(Vec3::new(x, y, z), near_mirror!(x, y, z, a, b, c))]
             },
             |t| glossy_pdf(t),
@@ -201,7 +212,7 @@ pub(crate) fn rows() -> Vec<Row> {
             "glossy: sampled direction above and of length 1",
             [above(), number(), number(), exponent()],
             |x, y, z, u, v, e| {
-                let lobe = Glossy { reflectance: Rgb::gray(e), exponent: e };
+                let lobe = Glossy::new(Rgb::gray(e), e);
                 let sample = lobe.sample(Vec3::new(x, y, z), [u, v]);
                 [sample.wi.length(), Compare::<f32>::min(sample.wi.z, 0.0) + 1.0]
             },

@@ -129,7 +129,7 @@ fn scattering(said: &tobj::Material) -> Scattering {
     let mirror = matches!(said.illumination_model, Some(3 | 5 | 8));
     let highlight = !matches!(said.illumination_model, Some(0 | 1));
     if is_clear(said) {
-        return Scattering::Dielectric { ior: ior(said), absorption: Rgb::BLACK, priority: 0 };
+        return Scattering::glass(ior(said));
     }
     if let Some(scattering) = extended(said, kd) {
         return scattering;
@@ -137,9 +137,7 @@ fn scattering(said: &tobj::Material) -> Scattering {
     let kd = Texture::Constant(kd);
     match (ks, exponent) {
         (Some(reflectance), _) if mirror => Scattering::Mirror { reflectance },
-        (Some(reflectance), Some(exponent)) if highlight => {
-            Scattering::Glossy { exponent, reflectance, diffuse: kd }
-        }
+        (Some(reflectance), Some(exponent)) if highlight => Scattering::glossy(exponent, reflectance, kd),
         _ => Scattering::Diffuse { reflectance: kd },
     }
 }
@@ -151,19 +149,17 @@ fn extended(said: &tobj::Material, kd: Rgb<f32>) -> Option<Scattering> {
     if part("Pm").is_some_and(|metal| metal >= 0.5) {
         let of_exponent = said.shininess.filter(|&ns| ns > 0.0).map_or(0.0, |ns| (2.0 / (ns + 2.0)).sqrt());
         let optics = Optics::Artist { reflectance: kd, edge_tint: Rgb::WHITE };
-        return Some(Scattering::Conductor { alpha: alpha.unwrap_or(of_exponent), optics });
+        return Some(Scattering::metal(alpha.unwrap_or(of_exponent), optics));
     }
     let ior = ior(said);
     if part("Pc").is_some_and(|coat| coat >= 0.5) || alpha.is_some_and(|alpha| alpha < 0.05 * 0.05) {
-        return Some(Scattering::Glazed { ior, reflectance: Texture::Constant(kd) });
+        return Some(Scattering::glazed(ior, Texture::Constant(kd)));
     }
     let alpha = alpha.filter(|&alpha| alpha < 1.0)?;
     let straight_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
-    Some(Scattering::Glossy {
-        exponent: (2.0 / (alpha * alpha) - 2.0) / 4.0,
-        reflectance: Rgb::gray(straight_on),
-        diffuse: Texture::Constant(kd.scale(1.0 - straight_on)),
-    })
+    let exponent = (2.0 / (alpha * alpha) - 2.0) / 4.0;
+    let diffuse = Texture::Constant(kd.scale(1.0 - straight_on));
+    Some(Scattering::glossy(exponent, Rgb::gray(straight_on), diffuse))
 }
 
 fn is_clear(said: &tobj::Material) -> bool {
@@ -218,12 +214,12 @@ mod tests {
 
     #[test]
     fn each_line_of_the_mapping() {
-        let glass = |ior| Scattering::Dielectric { ior, absorption: Rgb::BLACK, priority: 0 };
+        let glass = Scattering::glass;
         let matt = |x| Scattering::Diffuse { reflectance: Texture::gray(x) };
-        let glazed = |ior| Scattering::Glazed { ior, reflectance: Texture::gray(0.25) };
+        let glazed = |ior| Scattering::glazed(ior, Texture::gray(0.25));
         let metal = |alpha| {
             let optics = Optics::Artist { reflectance: Rgb::gray(0.25), edge_tint: Rgb::WHITE };
-            Scattering::Conductor { alpha, optics }
+            Scattering::metal(alpha, optics)
         };
         let cases = [
             ("Kd 0.25 0.25 0.25", matt(0.25)),
@@ -250,25 +246,14 @@ mod tests {
             (
                 // alpha^2 is 1/18, 34 an exponent about the half vector.
                 "Kd 0.5\nPr 0.48549177\nNi 3",
-                Scattering::Glossy {
-                    exponent: 8.5,
-                    reflectance: Rgb::gray(0.25),
-                    diffuse: Texture::gray(0.375),
-                },
+                Scattering::glossy(8.5, Rgb::gray(0.25), Texture::gray(0.375)),
             ),
-            (
-                "Kd 0.5\nKs 0.25\nNs 40",
-                Scattering::Glossy {
-                    exponent: 40.0,
-                    reflectance: Rgb::gray(0.25),
-                    diffuse: Texture::gray(0.5),
-                },
-            ),
+            ("Kd 0.5\nKs 0.25\nNs 40", Scattering::glossy(40.0, Rgb::gray(0.25), Texture::gray(0.5))),
         ];
         for (text, expected) in cases {
             let rounded = match read(text).scattering {
-                Scattering::Glossy { exponent, reflectance, diffuse } => {
-                    Scattering::Glossy { exponent: (exponent * 1e4).round() / 1e4, reflectance, diffuse }
+                Scattering::Glossy { exponent, reflectance, diffuse, .. } => {
+                    Scattering::glossy((exponent * 1e4).round() / 1e4, reflectance, diffuse)
                 }
                 other => other,
             };
