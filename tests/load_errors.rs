@@ -187,8 +187,8 @@ const CASES: &[Case] = &[
          d = { type = 'diffuse', fresnel = 'exact' }\n",
         &[
             "scene.toml:2:11: `fresnel` is `exakt`; did you mean `exact`?",
-            "scene.toml:4:35: `alpha` is an array of three; it must be a number or two numbers [x, y] from 0 to 1",
-            "scene.toml:5:41: `alpha` is 2; it must be a number from 0 to 1",
+            "scene.toml:4:36: `alpha` is an array of three; it must be a number or two numbers [x, y] from 0 to 1",
+            "scene.toml:5:42: `alpha` is 2; it must be a number from 0 to 1",
             "scene.toml:6:32: `below` is `above`; it must be `through_r`, `discard` or `rejection`",
             "scene.toml:7:25: `fresnel` does not go with type `diffuse`; it belongs to type `conductor`, type `dielectric`, \
              type `thin_dielectric` or type `glazed`",

@@ -9,7 +9,7 @@ use specula::accel::Brute;
 use specula::bsdf::microfacet::{Distribution, Ggx};
 use specula::bsdf::{FresnelModel, Glass, RoughDielectric};
 use specula::geometry::Ray;
-use specula::integrator::{Integrator, Stage, Whitted, Worker};
+use specula::integrator::{Integrator, Splitting, Stage, Whitted, Worker};
 use specula::material::{Media, Scattering};
 use specula::sampling::SamplerKind;
 use specula::scene::{self, Scene};
@@ -19,7 +19,7 @@ use support::scene_of;
 fn mean(scene: &Scene, ray: Ray, count: u32) -> (f64, f64) {
     let accel = Brute::new(scene.world.clone());
     let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
-    let whitted = Whitted { max_depth: 64, min_throughput: 1e-4 };
+    let whitted = Whitted { max_depth: 64, min_throughput: 1e-4, splitting: Splitting::NONE };
     let mut worker = Worker::default();
     let found: Vec<f64> = (0..count)
         .map(|index| {

@@ -7,7 +7,7 @@ mod support;
 use glam::Vec3;
 use specula::accel::Brute;
 use specula::geometry::Ray;
-use specula::integrator::{Counters, Integrator, Radiance, Stage, Whitted, Worker};
+use specula::integrator::{Counters, Integrator, Radiance, Splitting, Stage, Whitted, Worker};
 use specula::material::Media;
 use specula::sampling::SamplerKind;
 use specula::scene::Scene;
@@ -24,7 +24,7 @@ fn trace(scene: &Scene, whitted: Whitted, ray: Ray, index: u32) -> (Radiance, Co
 }
 
 const fn whitted(max_depth: u32, min_throughput: f32) -> Whitted {
-    Whitted { max_depth, min_throughput }
+    Whitted { max_depth, min_throughput, splitting: Splitting::NONE }
 }
 
 /// A ray that meets the unit sphere at the origin at `theta` degrees from the normal.

@@ -1,9 +1,11 @@
 //! From a film point to a ray.
 
+mod lens;
 mod moving;
 mod pinhole;
 mod viewpoint;
 
+pub use lens::Lens;
 pub use moving::MovingPinhole;
 pub use pinhole::Pinhole;
 pub use viewpoint::Viewpoint;
@@ -13,37 +15,73 @@ use glam::Vec3;
 
 /// Where pictures are taken from.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Camera {
-    /// A pinhole that stays while the shutter is open.
+pub struct Camera {
+    stand: Stand,
+    lens: Option<Lens>,
+}
+
+/// How it stands while the shutter is open.
+#[derive(Clone, Debug, PartialEq)]
+enum Stand {
     Still(Pinhole),
-    /// A pinhole that moves meanwhile.
     Moving(MovingPinhole),
 }
 
+impl From<Pinhole> for Camera {
+    fn from(pinhole: Pinhole) -> Self {
+        Self { stand: Stand::Still(pinhole), lens: None }
+    }
+}
+
+impl From<MovingPinhole> for Camera {
+    fn from(pinhole: MovingPinhole) -> Self {
+        Self { stand: Stand::Moving(pinhole), lens: None }
+    }
+}
+
 impl Camera {
-    /// The ray through a film point in pixels, from the upper left corner, at a moment of the shutter in [0, 1]; its direction
-    /// is a unit vector.
+    /// The same camera with a lens in place of its hole, or without one.
     #[must_use]
-    pub fn ray(&self, film: [f32; 2], time: f32) -> Ray {
-        let ray = match self {
-            Self::Still(camera) => camera.ray(film),
-            Self::Moving(camera) => camera.at(time).ray(film),
+    pub fn with_lens(self, lens: Option<Lens>) -> Self {
+        Self { lens, ..self }
+    }
+
+    /// The ray through a film point in pixels, from the upper left corner, at a moment of the shutter in [0, 1]; its direction
+    /// is a unit vector. `u2` draws a point of the lens; where there is none it means nothing.
+    #[must_use]
+    pub fn ray(&self, film: [f32; 2], u2: [f32; 2], time: f32) -> Ray {
+        let pinhole = self.pinhole(time);
+        let ray = match &self.lens {
+            None => pinhole.ray(film),
+            Some(lens) => lens.ray(&pinhole, film, u2),
         };
         ray.at_time(time)
     }
 
-    /// Where the camera stands at a moment of the shutter, in [0, 1].
+    /// The camera at a moment of the shutter, in [0, 1], without its lens.
+    #[must_use]
+    pub fn pinhole(&self, time: f32) -> Pinhole {
+        match &self.stand {
+            Stand::Still(pinhole) => *pinhole,
+            Stand::Moving(pinhole) => pinhole.at(time),
+        }
+    }
+
+    /// Where the camera stands at a moment of the shutter, in [0, 1]: the middle of its lens.
     #[must_use]
     pub fn eye(&self, time: f32) -> Vec3 {
-        match self {
-            Self::Still(camera) => camera.eye(),
-            Self::Moving(camera) => camera.at(time).eye(),
-        }
+        self.pinhole(time).eye()
     }
 
     /// Whether it moves while the shutter is open.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        matches!(self, Self::Moving(_))
+        matches!(self.stand, Stand::Moving(_))
+    }
+
+    /// Whether there is a lens, so that rays leave from more than one point.
+    #[must_use]
+    pub fn has_lens(&self) -> bool {
+        self.lens.is_some()
     }
 }

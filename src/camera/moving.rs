@@ -40,17 +40,18 @@ mod tests {
     use glam::{Quat, Vec3};
 
     fn viewpoint(x: f32, angle: f32) -> Viewpoint {
-        Viewpoint { eye: Vec3::X * x, rotation: Quat::from_rotation_y(angle), vfov: 1.0 + 0.1 * x }
+        let rotation = Quat::from_rotation_y(angle);
+        Viewpoint { eye: Vec3::X * x, rotation, vfov: 1.0 + 0.1 * x, focus: 2.0 + x }
     }
 
     #[test]
-    fn place_direction_and_angle_of_view_move_together() {
+    fn place_direction_angle_of_view_and_focus_move_together() {
         let keys = vec![(0.0, viewpoint(0.0, 0.0)), (0.25, viewpoint(1.0, 1.0)), (1.0, viewpoint(4.0, -2.0))];
-        let camera = Camera::Moving(MovingPinhole::new(keys, [200, 100]).expect("a camera"));
+        let camera = Camera::from(MovingPinhole::new(keys, [200, 100]).expect("a camera"));
         for (time, x, angle) in
             [(-1.0, 0.0, 0.0), (0.125, 0.5, 0.5), (0.25, 1.0, 1.0), (0.5, 2.0, 0.0), (2.0, 4.0, -2.0)]
         {
-            let middle = camera.ray([100.0, 50.0], time);
+            let middle = camera.ray([100.0, 50.0], [0.5; 2], time);
             let (sin, cos) = f32::sin_cos(angle);
             assert!(
                 middle.d.abs_diff_eq(-Vec3::new(sin, 0.0, cos), 1e-5),
@@ -59,7 +60,8 @@ mod tests {
             );
             assert!(middle.o.abs_diff_eq(Vec3::X * x, 1e-5), "place at {time}: {}", middle.o);
             assert!(camera.eye(time).abs_diff_eq(Vec3::X * x, 1e-5), "eye at {time}");
-            let [up, down] = [0.0, 100.0].map(|y| camera.ray([100.0, y], time).d);
+            let [up, down] = [0.0, 100.0].map(|y| camera.ray([100.0, y], [0.5; 2], time).d);
+            assert!((camera.pinhole(time).focus() - 2.0 - x).abs() < 1e-5, "focus at {time}");
             assert!((up.angle_between(down) - (1.0 + 0.1 * x)).abs() < 1e-5, "angle of view at {time}");
             assert_eq!(middle.time.to_bits(), time.to_bits(), "rays know their moment");
         }

@@ -1,10 +1,10 @@
-//! A camera that stands still, with everything sharp.
+//! A camera that stands still, with everything sharp unless there is a lens in place of its hole.
 
 use crate::camera::Viewpoint;
 use crate::geometry::Ray;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
-/// A pinhole: everything is sharp.
+/// A pinhole: everything is sharp. It knows the plane that a [`super::Lens`] in its place has in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pinhole {
     eye: Vec3,
@@ -16,19 +16,23 @@ pub struct Pinhole {
     down: Vec3,
     /// The middle of the film in pixels.
     middle: [f32; 2],
+    /// How far the plane in focus is along the view.
+    focus: f32,
 }
 
 impl Pinhole {
     /// A camera at `eye` looking at `at`, with `vfov` radians between the bottom and the top of a film of
-    /// `width` x `height` pixels. `up` must not be parallel to the view.
+    /// `width` x `height` pixels. `up` must not be parallel to the view. In focus is the plane through `at`.
     #[must_use]
     pub fn new([eye, at, up]: [Vec3; 3], vfov: f32, [width, height]: [u32; 2]) -> Self {
+        let focus = (at - eye).length();
         let forward = (at - eye).normalize();
         let right = forward.cross(up).normalize();
         let up = right.cross(forward);
         let [width, height] = [width, height].map(|n| n as f32);
         let pixel = 2.0 * (vfov * 0.5).tan() / height;
-        Self { eye, forward, right: right * pixel, down: -up * pixel, middle: [width * 0.5, height * 0.5] }
+        let middle = [width * 0.5, height * 0.5];
+        Self { eye, forward, right: right * pixel, down: -up * pixel, middle, focus }
     }
 
     /// A camera with a viewpoint.
@@ -38,14 +42,36 @@ impl Pinhole {
         let [width, height] = [width, height].map(|n| n as f32);
         let pixel = 2.0 * (viewpoint.vfov * 0.5).tan() / height;
         let middle = [width * 0.5, height * 0.5];
-        Self { eye: viewpoint.eye, forward: -back, right: right * pixel, down: -up * pixel, middle }
+        let (eye, focus) = (viewpoint.eye, viewpoint.focus);
+        Self { eye, forward: -back, right: right * pixel, down: -up * pixel, middle, focus }
     }
 
     /// The ray through a film point in pixels, from the upper left corner; its direction is a unit vector.
     #[must_use]
-    pub fn ray(&self, [x, y]: [f32; 2]) -> Ray {
-        let d = self.forward + self.right * (x - self.middle[0]) + self.down * (y - self.middle[1]);
-        Ray::new(self.eye, d.normalize())
+    pub fn ray(&self, film: [f32; 2]) -> Ray {
+        Ray::new(self.eye, self.towards(film).normalize())
+    }
+
+    /// The same camera with another plane in focus, `distance` metres away along the view.
+    #[must_use]
+    pub fn focused(self, distance: f32) -> Self {
+        Self { focus: distance, ..self }
+    }
+
+    /// How far away the plane in focus is, in metres along the view.
+    #[must_use]
+    pub fn focus(&self) -> f32 {
+        self.focus
+    }
+
+    /// From the eye to a film point in pixels, with the film one metre away along the view.
+    pub(super) fn towards(&self, [x, y]: [f32; 2]) -> Vec3 {
+        self.forward + self.right * (x - self.middle[0]) + self.down * (y - self.middle[1])
+    }
+
+    /// A vector across the view, from its parts to the right and upwards in metres.
+    pub(super) fn across(&self, offset: Vec2) -> Vec3 {
+        self.right.normalize() * offset.x - self.down.normalize() * offset.y
     }
 
     /// Where the camera stands.

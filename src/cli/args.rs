@@ -90,6 +90,14 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub min_throughput: Option<String>,
 
+    /// Shadow rays to each light that has a size, at the first hits of a camera ray
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub light_samples: Option<String>,
+
+    /// Rays of each glossy lobe, at the first hits of a camera ray
+    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    pub glossy_samples: Option<String>,
+
     /// Render only these pixels, the upper ends excluded
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
     pub crop: Option<String>,

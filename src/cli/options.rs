@@ -165,6 +165,8 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
         ("film.height", args.height.as_ref()),
         ("render.max_depth", args.max_depth.as_ref()),
         ("render.min_throughput", args.min_throughput.as_ref()),
+        ("render.light_samples", args.light_samples.as_ref()),
+        ("render.glossy_samples", args.glossy_samples.as_ref()),
         ("render.seed", args.seed.as_ref()),
     ];
     let flags = keys.iter().filter_map(|(key, value)| value.map(|value| format!("{key}={value}")));

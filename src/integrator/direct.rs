@@ -1,9 +1,11 @@
-//! Direct light: every light is asked once, lobes that are also followed share the answer with their own rays.
+//! Direct light: every light is asked, once or several times; lobes that are also followed share the answer with their own
+//! rays.
 
 use crate::accel::Accel;
 use crate::bsdf::{Lobes, Mix};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::shading::Shading;
+use crate::integrator::splitting::Counts;
 use crate::integrator::{Counters, Stage};
 use crate::light::{Emitter, Light, LightSample, Reference};
 use crate::material::{Material, MaterialId};
@@ -18,6 +20,8 @@ pub(super) struct Receiver<'a> {
     pub(super) mix: &'a Mix<f32>,
     /// The medium on the viewer's side, and that on the other.
     pub(super) media: [Option<MaterialId>; 2],
+    /// How many rays are sent from here.
+    pub(super) counts: Counts,
 }
 
 impl Receiver<'_> {
@@ -31,7 +35,8 @@ impl Receiver<'_> {
 /// Radiance towards the viewer of light that comes straight from lights, scattered by diffuse and glossy lobes.
 ///
 /// Glossy lobes are followed by rays of their own, which may meet the same lights: the two share by the power
-/// heuristic (Veach 1997, Robust Monte Carlo Methods, 9.2). Diffuse lobes are not followed and take all.
+/// heuristic with their numbers of rays (Veach 1997, Robust Monte Carlo Methods, 9.2). Diffuse lobes are not followed and
+/// take all. Lights without size, which always give the same answer, are asked once.
 pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
@@ -45,16 +50,26 @@ pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
         return sum;
     }
     for (index, light) in (0..).zip(&stage.scene.lights) {
-        let u2 = if light.is_delta() { [0.5; 2] } else { sampler.get_2d(Dim::LightPoint(index), vertex) };
-        sum += from_light(stage, receiver, light, (u2, false), counters);
-        if lobes.intersects(Lobes::THROUGH) {
-            sum += from_light(stage, receiver, light, (u2, true), counters);
+        let ways: &[bool] = if lobes.intersects(Lobes::THROUGH) { &[false, true] } else { &[false] };
+        let mut ask = |u2: [f32; 2]| {
+            let of = |&below: &bool| from_light(stage, receiver, light, (u2, below), counters);
+            ways.iter().map(of).fold(Rgb::BLACK, |all, one| all + one)
+        };
+        if light.is_delta() {
+            sum += ask([0.5; 2]);
+            continue;
         }
+        let Counts { lights: count, .. } = receiver.counts;
+        let mut of_light = Rgb::BLACK;
+        for j in 0..count {
+            of_light += ask(sampler.get_2d_split(Dim::LightPoint(index), vertex, j, count));
+        }
+        sum += of_light.scale(receiver.counts.light_factor().max(1.0).recip());
     }
     sum
 }
 
-/// What one light brings, from above the surface or from `below`.
+/// What one light brings by the way that `u2` draws, from above the surface or from `below`.
 fn from_light<A: Accel>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
@@ -85,7 +100,7 @@ fn scattered(
     sample: &LightSample<f32>,
     below: bool,
 ) -> (Rgb<f32>, Rgb<f32>) {
-    let Receiver { shading, mix, .. } = receiver;
+    let Receiver { shading, mix, counts, .. } = receiver;
     let wi = shading.frame.to_local(sample.wi);
     // Light from behind the true surface would leak through it, whatever the interpolated normal says.
     let side = if below { -1.0 } else { 1.0 };
@@ -96,9 +111,13 @@ fn scattered(
     let arriving = sample.li * (cos / sample.pdf);
     let mut glossy = Rgb::BLACK;
     for part in mix.parts().filter(|part| part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
-        let drawn = if light.is_delta() { 0.0 } else { part.bsdf.pdf_glossy(shading.wo, wi) };
-        let f = part.weight * part.bsdf.eval_glossy(shading.wo, wi);
-        glossy += f * heuristic::power(sample.pdf, drawn);
+        let share = if light.is_delta() {
+            1.0
+        } else {
+            let drawn = part.bsdf.pdf_glossy(shading.wo, wi) * counts.glossy_factor();
+            heuristic::power(sample.pdf * counts.light_factor(), drawn)
+        };
+        glossy += part.weight * part.bsdf.eval_glossy(shading.wo, wi) * share;
     }
     let diffuse = if below { Rgb::BLACK } else { mix.eval_diffuse(shading.wo, wi) };
     (diffuse * arriving, glossy * arriving)

@@ -6,10 +6,12 @@
 mod counters;
 mod direct;
 mod shading;
+mod splitting;
 mod view;
 mod whitted;
 
 pub use counters::Counters;
+pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;
 

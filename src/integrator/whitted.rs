@@ -1,7 +1,8 @@
 //! The ray tree.
 //!
 //! Whitted 1980 (An Improved Illumination Model for Shaded Display), with exact Fresnel terms, glossy lobes and area lights. At
-//! every surface: emission, direct light, and a branch per specular or glossy way on. A branch is cut where the path is
+//! every surface: emission, direct light, and a branch per specular or glossy way on; at the first ones several shadow rays
+//! and glossy branches, which share what is carried (distribution ray tracing). A branch is cut where the path is
 //! long enough (`max_depth`) or where it would carry too little (`min_throughput`); both only darken. Diffuse light between
 //! surfaces is not followed: that is the path tracer's. A rough interface sends one ray on each of its sides, by the same
 //! facet.
@@ -21,7 +22,8 @@ use crate::bsdf::{Branch, BsdfSample, Part};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
-use crate::integrator::{Integrator, Radiance, Stage, Worker};
+use crate::integrator::splitting::Counts;
+use crate::integrator::{Integrator, Radiance, Splitting, Stage, Worker};
 use crate::light::Reference;
 use crate::material::{Crossing, Material, Media};
 use crate::math::Rgb;
@@ -35,6 +37,8 @@ pub struct Whitted {
     pub max_depth: u32,
     /// Branches that would carry less than this part of what reaches the pixel are not followed.
     pub min_throughput: f32,
+    /// Where several rays are sent instead of one.
+    pub splitting: Splitting,
 }
 
 /// A branch to be followed.
@@ -45,7 +49,7 @@ pub(crate) struct Node {
     start: Vec3,
     /// What radiance along the ray is multiplied by on its way to the camera.
     beta: Rgb<f32>,
-    /// The part of `beta` that is a change of medium, not a loss.
+    /// The part of `beta` that is a change of medium or a share of a split, not a loss.
     radiance_scale: f32,
     /// Edges of the path, this one included.
     depth: u32,
@@ -59,6 +63,15 @@ pub(crate) struct Node {
 struct Drawn {
     from: Reference<f32>,
     pdf: f32,
+    /// How many such branches and how many questions to each light there were.
+    counts: Counts,
+}
+
+impl Drawn {
+    /// The part that is this branch's of light that asking finds with density `asked`.
+    fn share(&self, asked: f32) -> f32 {
+        heuristic::power(self.pdf * self.counts.glossy_factor(), asked * self.counts.light_factor())
+    }
 }
 
 /// What is beyond saving however small `min_throughput` is.
@@ -133,7 +146,8 @@ impl Whitted {
         let Some(mix) = material.bsdf(it.uv, eta) else { return true };
         let shading = Shading::at(&it, tangent(stage, &it, material));
         let media = [node.media.current(), beyond.current()];
-        let receiver = Receiver { it: &it, shading, mix: &mix, media };
+        let counts = self.splitting.at(node.depth);
+        let receiver = Receiver { it: &it, shading, mix: &mix, media, counts };
         if node.depth < self.max_depth {
             *sum += node.beta * direct::light(stage, &receiver, sampler, node.vertex, &mut worker.counters);
         }
@@ -190,31 +204,17 @@ impl Whitted {
     ) {
         // Each part has numbers of its own; those of the first do not depend on there being others.
         let vertex = if index == 0 { at.node.vertex } else { at.child(NUMBERS, index) };
-        let u2 = sampler.get_2d(Dim::LobeDirection, vertex);
-        for (way, sample) in
-            [GLOSSY, GLOSSY_THROUGH].into_iter().zip(part.bsdf.sample_glossy(at.shading.wo, u2))
-        {
-            let Some(sample) = sample.filter(|sample| sample.valid) else { continue };
-            let through = way == GLOSSY_THROUGH;
-            let d = at.shading.to_world(sample.wi).normalize();
-            if through != (d.dot(at.shading.ng) < 0.0) {
-                continue;
-            }
-            let BsdfSample { weight, pdf, .. } = sample;
-            // Already in the weight: radiance grows with the square of the index.
-            let grown = if through { (at.eta * at.eta).recip() } else { 1.0 };
-            let child = Node {
-                ray: at.it.spawn(d),
-                start: at.it.p,
-                beta: at.node.beta * part.weight * weight,
-                radiance_scale: at.node.radiance_scale * grown,
-                depth: at.node.depth + 1,
-                vertex: at.child(index, way),
-                media: if through { at.beyond } else { at.node.media },
-                drawn: Some(Drawn { from: receiver.reference(through), pdf }),
-            };
-            if self.push(child, worker) {
-                worker.counters.glossy += 1;
+        let count = receiver.counts.glossy;
+        for j in 0..count {
+            let u2 = sampler.get_2d_split(Dim::LobeDirection, vertex, j, count);
+            let samples = part.bsdf.sample_glossy(at.shading.wo, u2);
+            for (way, sample) in [GLOSSY, GLOSSY_THROUGH].into_iter().zip(samples) {
+                let Some(child) = at.glossy_child(receiver, (index, part), (way, j), sample) else {
+                    continue;
+                };
+                if self.push(child, worker) {
+                    worker.counters.glossy += 1;
+                }
             }
         }
     }
@@ -235,6 +235,11 @@ impl Whitted {
     }
 }
 
+/// Node `j` of `count` that a node is split into; itself where it is not split.
+fn nth(vertex: Vertex, j: u32, count: u32) -> Vertex {
+    if count == 1 { vertex } else { vertex.child(j) }
+}
+
 /// Where branches leave from.
 struct At<'a> {
     node: &'a Node,
@@ -250,6 +255,36 @@ impl At<'_> {
     /// The node at the end of a way on from the part `index` of a mix.
     fn child(&self, index: u32, way: u32) -> Vertex {
         self.node.vertex.child(index * WAYS + way)
+    }
+
+    /// The branch along sample `j` of a part's glossy lobe, on either side; `None` where there is no way on.
+    fn glossy_child(
+        &self,
+        receiver: &Receiver<'_>,
+        (index, part): (u32, &Part<f32>),
+        (way, j): (u32, u32),
+        sample: Option<BsdfSample<f32>>,
+    ) -> Option<Node> {
+        let BsdfSample { weight, pdf, wi, .. } = sample.filter(|sample| sample.valid)?;
+        let through = way == GLOSSY_THROUGH;
+        let d = self.shading.to_world(wi).normalize();
+        if through != (d.dot(self.shading.ng) < 0.0) {
+            return None;
+        }
+        // Already in the weight: radiance grows with the square of the index.
+        let grown = if through { (self.eta * self.eta).recip() } else { 1.0 };
+        let counts = receiver.counts;
+        let share = counts.glossy_factor().max(1.0).recip();
+        Some(Node {
+            ray: self.it.spawn(d),
+            start: self.it.p,
+            beta: self.node.beta * part.weight * weight.scale(share),
+            radiance_scale: self.node.radiance_scale * grown * share,
+            depth: self.node.depth + 1,
+            vertex: nth(self.child(index, way), j, counts.glossy),
+            media: if through { self.beyond } else { self.node.media },
+            drawn: Some(Drawn { from: receiver.reference(through), pdf, counts }),
+        })
     }
 }
 
@@ -313,12 +348,12 @@ fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
     let radiance = environment.radiance(node.ray.d);
     let Some(drawn) = node.drawn else { return radiance };
     let asked = direct::light_pdf(light, drawn.from, node.ray.d.into(), None);
-    radiance.scale(heuristic::power(drawn.pdf, asked))
+    radiance.scale(drawn.share(asked))
 }
 
 /// The part of a surface's emission that is this branch's, the rest being found by asking lights.
 fn share_of_emission<A: Accel>(stage: &Stage<'_, A>, node: &Node, it: &Interaction) -> f32 {
     let Some(drawn) = node.drawn else { return 1.0 };
     let Some(light) = stage.scene.light_of(it.placement) else { return 1.0 };
-    heuristic::power(drawn.pdf, direct::light_pdf(light, drawn.from, node.ray.d.into(), Some(it)))
+    drawn.share(direct::light_pdf(light, drawn.from, node.ray.d.into(), Some(it)))
 }

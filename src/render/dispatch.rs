@@ -6,7 +6,7 @@ use crate::accel::{Accel, Brute};
 use crate::error::{Error, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
-use crate::integrator::{Integrator, View, Whitted};
+use crate::integrator::{Integrator, Splitting, View, Whitted};
 use crate::render::tiles::{self, Plan};
 use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
 use crate::sampling::SamplerKind;
@@ -87,9 +87,11 @@ fn hierarchy<H: Hierarchy>(plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<
 
 fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let settings = &plan.scene.render;
-    let whitted = Whitted { max_depth: settings.max_depth, min_throughput: settings.min_throughput };
+    let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;
+    let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };
+    let tree = Whitted { max_depth, min_throughput, splitting };
     match settings.integrator {
-        description::Integrator::Whitted => timed(plan, accel, &whitted),
+        description::Integrator::Whitted | description::Integrator::Distribution => timed(plan, accel, &tree),
         description::Integrator::View => {
             let view = match settings.view {
                 description::View::Normals => View::Normals,
@@ -97,7 +99,7 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
                 description::View::Depth => View::Depth,
                 description::View::Uv => View::Uv,
                 description::View::Material => View::Material,
-                description::View::Cost => View::Cost(whitted),
+                description::View::Cost => View::Cost(tree),
             };
             timed(plan, accel, &view)
         }

@@ -64,7 +64,9 @@ impl Plan<'_> {
     ) -> Result<(Tile, Counters)> {
         let mut tile = Tile::new(window, Layout::default());
         let mut worker = Worker::default();
+        let camera = &self.scene.camera;
         let moves = self.scene.is_moving();
+        let has_lens = camera.has_lens();
         for y in window.y0..window.y1 {
             for x in window.x0..window.x1 {
                 if self.progress.is_cancelled() {
@@ -75,7 +77,8 @@ impl Plan<'_> {
                     let FilterSample { offset, weight } =
                         self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
                     let time = if moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { 0.0 };
-                    let ray = self.scene.camera.ray([center(x) + offset[0], center(y) + offset[1]], time);
+                    let lens = if has_lens { sampler.get_2d(Dim::Lens, Vertex::ROOT) } else { [0.5; 2] };
+                    let ray = camera.ray([center(x) + offset[0], center(y) + offset[1]], lens, time);
                     let found = integrator.li(&eye.stage(time), &ray, &sampler, &mut worker);
                     let color = found.color;
                     tile.add(SampleId { x, y, index }, weight, &[color.r, color.g, color.b, found.alpha]);

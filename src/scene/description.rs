@@ -115,7 +115,7 @@ impl Description {
 tagged! {
     /// From where and how the scene is seen.
     pub enum Camera by tag_or("perspective") checked by check::camera {
-        /// A pinhole.
+        /// A pinhole, or a thin lens in its place.
         "perspective" => Perspective {
             /// Where the camera stands.
             from: Vec3 = Vec3::new(0.0, 1.6, 4.6), unit("m");
@@ -125,6 +125,14 @@ tagged! {
             up: Vec3 = Vec3::Y, nonzero();
             /// Angle of view from the bottom to the top of the picture.
             vfov_deg: f32 = 50.0, unit("degrees"), above(0.0), below(180.0);
+            /// Radius of the lens, that is focal length / (2 f-number); 0 is a pinhole, with everything sharp.
+            lens_radius: f32 = 0.0, unit("m"), min(0.0);
+            /// How far away the plane in focus is, along the view; absent: the plane through `at`.
+            focus_distance: Option<f32>, unit("m"), above(0.0);
+            /// Corners of the iris, which lie on the circle of `lens_radius`; 0 for a round one, else 3 or more.
+            blades: u32 = 0, min(0.0), max(1000.0);
+            /// Turns the iris, counter-clockwise seen from behind the camera; at 0 one of its corners is on top.
+            blade_rotation_deg: f32 = 0.0, unit("degrees");
             /// When the shutter opens: what moves is seen where it is from then on.
             shutter_open_s: f64 = 0.0, unit("s");
             /// When the shutter closes; at the moment it opens, nothing is blurred.
@@ -149,6 +157,8 @@ record! {
         up: Option<Vec3>, nonzero();
         /// Angle of view from the bottom to the top of the picture; absent: the camera's own.
         vfov_deg: Option<f32>, unit("degrees"), above(0.0), below(180.0);
+        /// How far away the plane in focus is, along the view; absent: the camera's own, or the plane through this key's `at`.
+        focus_distance: Option<f32>, unit("m"), above(0.0);
     }
 }
 
@@ -220,6 +230,12 @@ record! {
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
         min_throughput: f32 = 1e-3, min(0.0), max(1.0);
+        /// Shadow rays to each light that has a size, at the first hits; absent: 4 under `distribution`, else 1.
+        light_samples: Option<u32>, min(1.0), max(65536.0);
+        /// Rays of each glossy lobe, at the first hits; absent: 4 under `distribution`, else 1.
+        glossy_samples: Option<u32>, min(1.0), max(65536.0);
+        /// How many hits are first hits, counted along each path from the camera; later ones send one ray of each kind.
+        split_depth: u32 = 1, min(0.0), max(64.0);
         /// What finds hits.
         backend: Backend = Backend::Embree;
         /// Where samples fall.
@@ -233,13 +249,39 @@ record! {
     }
 }
 
+impl Render {
+    /// Shadow rays to each light that has a size, at the first hits.
+    #[must_use]
+    pub fn light_samples(&self) -> u32 {
+        self.light_samples.unwrap_or(self.integrator.default_samples())
+    }
+
+    /// Rays of each glossy lobe, at the first hits.
+    #[must_use]
+    pub fn glossy_samples(&self) -> u32 {
+        self.glossy_samples.unwrap_or(self.integrator.default_samples())
+    }
+}
+
 choice! {
     /// What is computed.
     pub enum Integrator {
         /// A tree of mirrored and refracted rays with direct light.
         "whitted" => Whitted,
+        /// The same tree with several shadow rays and glossy rays at the first hit.
+        "distribution" => Distribution,
         /// A property of the first surface, for looking at a scene.
         "view" => View,
+    }
+}
+
+impl Integrator {
+    /// Rays of each kind at the first hits where the scene does not say.
+    const fn default_samples(self) -> u32 {
+        match self {
+            Self::Distribution => 4,
+            Self::Whitted | Self::View => 1,
+        }
     }
 }
 

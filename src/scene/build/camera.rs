@@ -1,6 +1,6 @@
 //! The camera while the shutter is open.
 
-use crate::camera::{Camera, MovingPinhole, Pinhole, Viewpoint};
+use crate::camera::{Camera, Lens, MovingPinhole, Pinhole, Viewpoint};
 use crate::scene::build::Shutter;
 use crate::scene::description::{self, CameraKey, Located};
 
@@ -12,20 +12,31 @@ pub(super) fn shutter(camera: &description::Camera) -> Shutter {
 
 /// The camera for a film of `size` pixels, still where it does not move while the shutter is open.
 pub(super) fn camera(camera: &description::Camera, size: [u32; 2]) -> Camera {
-    let description::Camera::Perspective { from, at, up, vfov_deg, keys, .. } = camera;
+    let &description::Camera::Perspective { lens_radius, blades, blade_rotation_deg, .. } = camera;
+    let lens = Lens::new(lens_radius, blades, blade_rotation_deg.to_radians());
+    stand(camera, lens.is_some(), size).with_lens(lens)
+}
+
+/// The camera without its lens.
+fn stand(camera: &description::Camera, has_lens: bool, size: [u32; 2]) -> Camera {
+    let description::Camera::Perspective { from, at, up, vfov_deg, focus_distance, keys, .. } = camera;
     if keys.is_empty() {
-        return Camera::Still(Pinhole::new([*from, *at, *up], vfov_deg.to_radians(), size));
+        let pinhole = Pinhole::new([*from, *at, *up], vfov_deg.to_radians(), size);
+        return focus_distance.map_or(pinhole, |distance| pinhole.focused(distance)).into();
     }
     let viewpoint = |key: &Located<CameraKey>| {
         let place = [key.from.unwrap_or(*from), key.at.unwrap_or(*at), key.up.unwrap_or(*up)];
-        (key.time_s, Viewpoint::new(place, key.vfov_deg.unwrap_or(*vfov_deg).to_radians()))
+        let own = Viewpoint::new(place, key.vfov_deg.unwrap_or(*vfov_deg).to_radians());
+        let focus = key.focus_distance.or(*focus_distance).unwrap_or(own.focus);
+        // A focus that nothing depends on must not pass for a movement.
+        (key.time_s, Viewpoint { focus: if has_lens { focus } else { 1.0 }, ..own })
     };
     let keys: Vec<_> = keys.iter().map(viewpoint).collect();
     let cut = during(&keys, shutter(camera));
     let (_, first) = cut[0];
     let moves = cut.iter().any(|(_, viewpoint)| *viewpoint != first);
     let moving = if moves { MovingPinhole::new(cut, size) } else { None };
-    moving.map_or_else(|| Camera::Still(Pinhole::at(&first, size)), Camera::Moving)
+    moving.map_or_else(|| Pinhole::at(&first, size).into(), Camera::from)
 }
 
 /// The viewpoints at the opening and the closing of the shutter and at the keys in between, each at its moment in [0, 1].
@@ -63,7 +74,8 @@ mod tests {
 
     #[test]
     fn the_shutter_cuts_out_its_part_of_the_way() {
-        let viewpoint = |x: f32| Viewpoint { eye: Vec3::X * x, rotation: Quat::IDENTITY, vfov: 1.0 };
+        let viewpoint =
+            |x: f32| Viewpoint { eye: Vec3::X * x, rotation: Quat::IDENTITY, vfov: 1.0, focus: 1.0 };
         let keys = [(1.0, viewpoint(0.0)), (2.0, viewpoint(1.0)), (4.0, viewpoint(5.0))];
         let cut = |open_s, close_s| {
             let cut = during(&keys, Shutter { open_s, close_s });

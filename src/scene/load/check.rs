@@ -18,12 +18,16 @@ fn parallel(a: Vec3, b: Vec3) -> bool {
     a.cross(b).length() <= PARALLEL * a.length() * b.length()
 }
 
-/// A camera looks somewhere at every key, knows what is up there, and how it turns to the next; its shutter opens before it
-/// closes.
+/// A camera looks somewhere at every key, knows what is up there, and how it turns to the next; its iris spans an area, its
+/// shutter opens before it closes.
 pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
-    let Camera::Perspective { from, at, up, shutter_open_s, shutter_close_s, keys, .. } = camera;
+    let Camera::Perspective { from, at, up, blades, shutter_open_s, shutter_close_s, keys, .. } = camera;
     if let Some((key, what, remedy)) = view_fault([*from, *at, *up]) {
         fields.problem(key, what, remedy);
+    }
+    if (1..3).contains(blades) {
+        let what = format!("an iris of {blades} `blades` has no area");
+        fields.problem("blades", what, "give 3 or more, or 0 for a round one");
     }
     if shutter_close_s < shutter_open_s {
         let what =

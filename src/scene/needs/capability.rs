@@ -39,11 +39,13 @@ pub enum Capability {
     Environment,
     /// A camera that moves while the shutter is open.
     MovingCamera,
+    /// A camera whose rays leave from more than one point.
+    Lens,
 }
 
 impl Capability {
     /// All of them: shapes first, then materials, then lights, then the camera.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Triangles,
         Self::Spheres,
         Self::Discs,
@@ -62,6 +64,7 @@ impl Capability {
         Self::AreaLights,
         Self::Environment,
         Self::MovingCamera,
+        Self::Lens,
     ];
 
     /// The kinds of geometry among them.
@@ -129,6 +132,9 @@ impl Capability {
             }
             Self::MovingCamera => {
                 ["moving camera", "a viewpoint between keys for every sample", "one viewpoint"]
+            }
+            Self::Lens => {
+                ["lens", "a point of the lens for every sample, two random numbers", "one point of view"]
             }
             Self::Environment => ["environment", "a table of directions", "rays that leave see nothing"],
         }

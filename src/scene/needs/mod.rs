@@ -60,6 +60,7 @@ impl Needs {
         count.materials(scene, origins);
         count.lights(scene, origins);
         count.add(Capability::MovingCamera, usize::from(scene.camera.is_moving()), None);
+        count.add(Capability::Lens, usize::from(scene.camera.has_lens()), None);
         let meshes = scene.world.shapes.iter().filter_map(|shape| match shape {
             Shape::Mesh(mesh) => Some(mesh.bytes()),
             _ => None,
