@@ -7,13 +7,7 @@
 use std::collections::HashMap;
 use std::process::Command;
 
-use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
-use specula::bsdf::{
-    Below, Bsdf, Dielectric, Diffuse, FresnelModel, Glass, Glazed, Glossy, Jitter, Metal, OrenNayar, Phong,
-    PhongScale, RoughConductor, RoughDielectric, Schlick, ThinDielectric,
-};
 use specula::math::lanes::{IntLanes, Isa, Kernel, Lanes, Level, MaskLanes};
-use specula::math::{Rgb, Vec3};
 
 #[path = "../benches/lanes/shading.rs"]
 mod shading;
@@ -36,55 +30,6 @@ impl<S: Isa> Kernel<S> for Functions<'_> {
         (gathered + turned.copysign(s).lerp(grown, c)).store(self.0);
         bits.signed_to_float().is_finite().all()
     }
-}
-
-/// Asks a surface of every kind all that can be asked.
-struct Scatter<'a>(&'a mut [f32]);
-
-impl<S: Isa> Kernel<S> for Scatter<'_> {
-    type Output = ();
-    #[inline(always)]
-    fn run(self, isa: S) {
-        let x = isa.load(self.0);
-        let (gray, eta) = (Rgb::gray(x), x + 1.0);
-        let base = Diffuse { reflectance: gray };
-        let metal = Metal::new(FresnelModel::F82, Rgb::gray(eta), gray);
-        let glass = Glass::new(FresnelModel::Exact, eta);
-        let rough = Distribution::Ggx(Ggx { alpha_x: x, alpha_y: x * 0.5 });
-        let gaussian = Distribution::Beckmann(Beckmann { alpha_x: x, alpha_y: x * 0.5 });
-        let glossy = |below| Glossy { reflectance: gray, exponent: eta, below };
-        let mut sum = x;
-        sum += ask(x, &Bsdf::OrenNayar(OrenNayar { reflectance: gray, roughness: x }));
-        sum += ask(x, &Bsdf::RoughConductor(RoughConductor { metal, facets: rough }));
-        sum += ask(x, &Bsdf::RoughConductor(RoughConductor { metal, facets: gaussian }));
-        sum += ask(x, &Bsdf::RoughDielectric(RoughDielectric { glass, facets: rough }));
-        sum += ask(x, &Bsdf::Dielectric(Dielectric { glass }));
-        sum += ask(x, &Bsdf::ThinDielectric(ThinDielectric { glass, transmittance: gray }));
-        sum += ask(x, &Bsdf::Glossy { lobe: glossy(Below::ThroughR), base });
-        sum += ask(x, &Bsdf::Glossy { lobe: glossy(Below::Rejection), base });
-        let phong = Phong { reflectance: gray, exponent: eta, scale: PhongScale::MaxCosine };
-        sum += ask(x, &Bsdf::Phong { lobe: phong, base });
-        sum += ask(x, &Bsdf::Jitter { lobe: Jitter { reflectance: gray, exponent: eta }, base });
-        sum += ask(x, &Bsdf::Glazed(Glazed { glass, inside: gray }));
-        sum += ask(x, &Bsdf::Schlick(Schlick::new(gray, x, eta)));
-        sum.store(self.0);
-    }
-}
-
-/// A number that depends on every answer.
-#[inline(always)]
-fn ask<F: Lanes>(x: F, bsdf: &Bsdf<F>) -> F {
-    let wo = Vec3::new(x, x * 0.5, x + 0.2).normalize();
-    let wi = Vec3::new(-x, x * 0.3, x + 0.1).normalize();
-    let mut sum = bsdf.pdf_glossy(wo, wi);
-    sum += bsdf.eval_glossy(wo, -wi).g + bsdf.eval_diffuse(wo, wi).r;
-    for sample in bsdf.sample_glossy(wo, [x, x * 0.5]).into_iter().flatten() {
-        sum += sample.wi.x * sample.pdf + sample.weight.b;
-    }
-    for branch in bsdf.branches(wo).into_iter().flatten() {
-        sum += branch.wi.y * branch.weight.r;
-    }
-    sum
 }
 
 /// What objdump prints about this program; nothing if there is no objdump.
@@ -147,7 +92,6 @@ fn kernels_call_nothing_but_the_failures_of_bounds_checks() {
     let from = shading::paths(64);
     for level in Level::available() {
         level.run(Functions(&mut numbers));
-        level.run(Scatter(&mut numbers));
         level.run(Bounce { from: &from, to: &mut from.clone(), albedo: &[0.5] });
     }
     let disassembly = objdump(&["--disassemble", "--demangle", "--no-show-raw-insn"]);
