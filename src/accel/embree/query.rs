@@ -77,6 +77,11 @@ same_packet_layout!(4, sys::RTCRay4, sys::RTCHit4, sys::RTCRayHit4);
 same_packet_layout!(8, sys::RTCRay8, sys::RTCHit8, sys::RTCRayHit8);
 same_packet_layout!(16, sys::RTCRay16, sys::RTCHit16, sys::RTCRayHit16);
 
+/// A ray on a cache line of its own. Split between two lines, where the stack happens to lie so, it cost three to five
+/// per cent of a short shadow ray. Queries for hits, which fill two lines, gained nothing.
+#[repr(align(64))]
+struct Line<T>(T);
+
 /// No hit, as a query wants to find it.
 const NO_HIT: sys::RTCHit = sys::RTCHit {
     Ng_x: 0.0,
@@ -120,14 +125,15 @@ impl Scene<Committed> {
     #[must_use]
     #[inline]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        let Some(mut query) = sound(ray) else { return false };
+        let Some(query) = sound(ray) else { return false };
+        let mut query = Line(query);
         // SAFETY: the scene is committed; the structure is aligned by its type.
-        unsafe { sys::rtcOccluded1(self.raw(), &raw mut query, null_mut()) };
+        unsafe { sys::rtcOccluded1(self.raw(), &raw mut query.0, null_mut()) };
         if let Some(after) = self.after() {
             after.occluded();
         }
         // Found: the end was set to negative infinity. A ray that had it there before found nothing.
-        query.tfar < ray.t_max
+        query.0.tfar < ray.t_max
     }
 
     /// The nearest hit of each active lane; see [`crate::accel::Accel::intersect_packet`].
