@@ -5,6 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
+#[path = "support/models.rs"]
+mod models;
 #[path = "support/rays.rs"]
 mod rays;
 #[path = "support/mod.rs"]
@@ -13,15 +15,13 @@ mod support;
 mod terrain;
 
 use glam::Vec3;
+use models::model;
 use rays::{Recorded, record};
 use specula::accel::bvh::{Options, Preset};
 use specula::accel::embree::{BuildOptions, EmbreeAccel};
 use specula::accel::{Accel, Bvh2Accel, CwBvhAccel};
 use specula::geometry::{Mesh, Ray, Shape, World};
 use specula::render::Phase;
-use specula::scene::description::Normals;
-use specula::scene::load::load_mesh;
-use std::path::PathBuf;
 use std::sync::Arc;
 use support::{Bench, Race};
 
@@ -43,17 +43,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     bench.finish()?;
     Ok(())
-}
-
-/// A model of that name, where the model data is.
-fn model(name: &str) -> Option<Mesh> {
-    let data = std::env::var_os("SPECULA_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let loaded = load_mesh(&data.join(format!("models/obj/{name}.obj")), Normals::Flat);
-    if loaded.is_err() {
-        println!("{name}: skipped, its file is not here");
-    }
-    Some(loaded.ok()?.mesh)
 }
 
 fn on_mesh(

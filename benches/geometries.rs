@@ -5,6 +5,8 @@
 
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
+#[path = "support/models.rs"]
+mod models;
 #[path = "support/quads.rs"]
 mod quads;
 #[path = "support/rays.rs"]
@@ -22,9 +24,8 @@ use support::{Bench, Race};
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut bench = Bench::new("geometries");
     for (file, view) in [("sponza", quads::inside as quads::View), ("sword-quad-dominant", quads::outside)] {
-        match quads::load(file) {
-            Some(mesh) => quads::compare(&mut bench, file, mesh, view)?,
-            None => println!("{file}: skipped, its file is not here"),
+        if let Some(mesh) = models::model(file) {
+            quads::compare(&mut bench, file, mesh, view)?;
         }
     }
     round::compare(&mut bench)?;

@@ -7,6 +7,8 @@
 
 #[path = "support/direct.rs"]
 mod direct;
+#[path = "support/models.rs"]
+mod models;
 #[path = "support/rays.rs"]
 mod rays;
 #[path = "support/mod.rs"]
@@ -16,13 +18,11 @@ mod terrain;
 
 use direct::{Direct, DirectStream, sum_of};
 use glam::Vec3;
+use models::model;
 use rays::{Rays, Recorded, record};
 use specula::accel::embree::{BuildOptions, EmbreeAccel};
 use specula::accel::{Accel, Active, Coherence, HitStream, Packet, RayPacket};
 use specula::geometry::{Mesh, Shape, World};
-use specula::scene::description::Normals;
-use specula::scene::load::load_mesh;
-use std::path::PathBuf;
 use support::{Bench, Race};
 
 /// Pixels sampled, along each side of the picture.
@@ -33,19 +33,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let height = terrain::height(0.9, 0.9);
     let (eye, at) = (Vec3::new(0.9, height + 0.25, 0.9), Vec3::new(0.0, 0.2, 0.0));
     on_mesh(&mut bench, "terrain", terrain::terrain(708), Some((eye, at)))?;
-    match dragon() {
-        Some(mesh) => on_mesh(&mut bench, "dragon", mesh, None)?,
-        None => println!("dragon: skipped, its file is not here"),
+    if let Some(mesh) = model("dragon") {
+        on_mesh(&mut bench, "dragon", mesh, None)?;
     }
     bench.finish()?;
     Ok(())
-}
-
-/// The scanned dragon, where the model data is.
-fn dragon() -> Option<Mesh> {
-    let data = std::env::var_os("SPECULA_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    Some(load_mesh(&data.join("models/obj/dragon.obj"), Normals::Flat).ok()?.mesh)
 }
 
 fn on_mesh(

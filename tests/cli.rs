@@ -1,11 +1,13 @@
 //! The program as its users meet it: words in, files, text and exit status out.
 
-use std::fs;
-use std::path::{Path, PathBuf};
+#[path = "support/desk.rs"]
+mod desk;
 
-use assert_cmd::Command;
+use std::fs;
+use std::path::Path;
+
+use desk::Desk;
 use specula::image::{self, Window, exr};
-use tempfile::TempDir;
 
 /// A scene that takes a moment: one mirror ball, one lamp.
 const BALL: &str = r#"
@@ -35,46 +37,20 @@ position = [1.0, 3.0, 2.0]
 intensity = 20.0
 "#;
 
-/// A directory of its own with a scene in it, in which the program is run.
-struct Place(TempDir);
+/// A directory with the scene in it.
+fn place() -> Desk {
+    let desk = Desk::new();
+    fs::write(desk.path("ball.toml"), BALL).expect("written");
+    desk
+}
 
-impl Place {
-    fn new() -> Self {
-        let dir = tempfile::tempdir().expect("a directory");
-        fs::write(dir.path().join("ball.toml"), BALL).expect("written");
-        Self(dir)
-    }
-
-    fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
-    }
-
-    /// The program's exit status, standard output and standard error.
-    fn run(&self, words: &[&str]) -> (i32, String, String) {
-        let mut command = Command::cargo_bin("specula").expect("built");
-        let output = command.current_dir(self.0.path()).args(words).output().expect("run");
-        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
-    }
-
-    /// What is in the directory.
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).expect("a directory");
-        let mut names: Vec<_> = entries
-            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
-    }
-
-    fn colours(&self, name: &str) -> image::Image {
-        image::read(&self.path(name)).expect("a picture").image
-    }
+fn colours(place: &Desk, name: &str) -> image::Image {
+    image::read(&place.path(name)).expect("a picture").image
 }
 
 #[test]
 fn help_lists_the_commands_and_version_the_version() {
-    let place = Place::new();
+    let place = place();
     let (status, stdout, stderr) = place.run(&["--help"]);
     assert_eq!((status, stderr.as_str()), (0, ""), "help is a result");
     for command in ["render", "diff", "schema", "completions", "man"] {
@@ -112,7 +88,7 @@ fn help_lists_the_commands_and_version_the_version() {
 
 #[test]
 fn wrong_words_end_with_status_2_and_say_what_to_do() {
-    let place = Place::new();
+    let place = place();
     let cases: [(&[&str], &[&str]); 22] = [
         (&[], &["Usage"]),
         (&["rendr", "ball.toml"], &["rendr", "render"]),
@@ -151,7 +127,7 @@ fn wrong_words_end_with_status_2_and_say_what_to_do() {
 
 #[test]
 fn several_wrong_values_are_told_together() {
-    let place = Place::new();
+    let place = place();
     let words =
         ["render", "ball.toml", "--spp", "0", "--view", "x", "--seed", "y", "-D", "film.width=-1", "-t0"];
     let (status, _, stderr) = place.run(&words);
@@ -162,20 +138,20 @@ fn several_wrong_values_are_told_together() {
 
 #[test]
 fn a_picture_is_written_to_the_files_asked_for_and_they_are_named() {
-    let place = Place::new();
+    let place = place();
     let (status, stdout, stderr) = place.run(&["render", "ball.toml"]);
     assert_eq!(status, 0, "{stderr}");
     assert_eq!(stdout, "ball.exr\nball.png\n", "results");
     assert_eq!(place.names(), ["ball.exr", "ball.png", "ball.toml"], "files");
     let (status, stdout, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "x.png", "-o", "y.EXR"]);
     assert_eq!((status, stdout.as_str(), stderr.as_str()), (0, "x.png\ny.EXR\n", ""), "quiet");
-    assert_eq!(place.colours("y.EXR"), place.colours("ball.exr"), "the same picture");
-    assert!(place.colours("y.EXR").pixels().iter().any(|pixel| pixel.g > 0.0), "something is seen");
+    assert_eq!(colours(&place, "y.EXR"), colours(&place, "ball.exr"), "the same picture");
+    assert!(colours(&place, "y.EXR").pixels().iter().any(|pixel| pixel.g > 0.0), "something is seen");
 }
 
 #[test]
 fn flags_override_the_scene_and_the_metadata_tell() {
-    let place = Place::new();
+    let place = place();
     let words = [
         "render",
         "ball.toml",
@@ -224,7 +200,7 @@ fn flags_override_the_scene_and_the_metadata_tell() {
 
 #[test]
 fn a_view_is_chosen_by_its_name_alone() {
-    let place = Place::new();
+    let place = place();
     let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "a.exr", "--view", "depth"]);
     assert_eq!(status, 0, "{stderr}");
     let picture = exr::read(&place.path("a.exr")).expect("a picture");
@@ -234,7 +210,7 @@ fn a_view_is_chosen_by_its_name_alone() {
 
 #[test]
 fn a_crop_is_the_same_pixels_on_any_number_of_threads() {
-    let place = Place::new();
+    let place = place();
     let window = Window { x0: 3, y0: 2, x1: 20, y1: 9 };
     let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "whole.exr", "-t", "3"]);
     assert_eq!(status, 0, "{stderr}");
@@ -244,7 +220,7 @@ fn a_crop_is_the_same_pixels_on_any_number_of_threads() {
     assert_eq!(status, 0, "{stderr}");
     let crop = image::read(&place.path("crop.exr")).expect("a picture");
     assert_eq!((crop.window, crop.full), (window, [24, 16]), "windows");
-    let whole = place.colours("whole.exr");
+    let whole = colours(&place, "whole.exr");
     for y in 0..window.height() {
         for x in 0..window.width() {
             assert_eq!(crop.image.pixel(x, y), whole.pixel(x + window.x0, y + window.y0), "at {x}, {y}");
@@ -254,7 +230,7 @@ fn a_crop_is_the_same_pixels_on_any_number_of_threads() {
 
 #[test]
 fn halves_are_stored_as_halves() {
-    let place = Place::new();
+    let place = place();
     let (status, _, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "a.exr", "--half"]);
     assert_eq!(status, 0, "{stderr}");
     let channels = exr::channels(&place.path("a.exr")).expect("an EXR file");
@@ -264,7 +240,7 @@ fn halves_are_stored_as_halves() {
 
 #[test]
 fn statistics_are_json_with_times_and_rays() {
-    let place = Place::new();
+    let place = place();
     let words = ["render", "ball.toml", "-q", "-o", "a.png", "--stats", "stats.json", "-t", "2"];
     let (status, stdout, stderr) = place.run(&words);
     assert_eq!((status, stdout.as_str()), (0, "a.png\nstats.json\n"), "{stderr}");
@@ -291,7 +267,7 @@ fn statistics_are_json_with_times_and_rays() {
 
 #[test]
 fn a_failed_run_leaves_the_old_output_untouched() {
-    let place = Place::new();
+    let place = place();
     fs::write(place.path("a.exr"), "old").expect("written");
     fs::write(place.path("bad.toml"), BALL.replace("\"mirror\"\n[", "\"miror\"\n[")).expect("written");
     for words in [
@@ -310,7 +286,7 @@ fn a_failed_run_leaves_the_old_output_untouched() {
 #[test]
 fn a_place_that_cannot_be_written_is_a_failure_while_running() {
     // /proc is a directory in which not even root can create a file.
-    let place = Place::new();
+    let place = place();
     let (status, stdout, stderr) = place.run(&["render", "ball.toml", "-q", "-o", "/proc/a.exr"]);
     assert_eq!((status, stdout.as_str()), (1, ""), "{stderr}");
     assert!(stderr.contains("error: /proc/a.exr: cannot write: "), "{stderr}");
@@ -318,7 +294,7 @@ fn a_place_that_cannot_be_written_is_a_failure_while_running() {
 
 #[test]
 fn logs_can_be_json() {
-    let place = Place::new();
+    let place = place();
     let words = ["render", "ball.toml", "-o", "a.png", "--log-format", "json"];
     let (status, _, stderr) = place.run(&words);
     assert_eq!(status, 0, "{stderr}");
@@ -334,7 +310,7 @@ fn logs_can_be_json() {
 
 #[test]
 fn log_levels_choose_what_is_told() {
-    let place = Place::new();
+    let place = place();
     let told = |words: &[&str]| {
         let words = [&["render", "ball.toml", "-o", "a.png"], words].concat();
         place.run(&words).2
@@ -349,7 +325,7 @@ fn log_levels_choose_what_is_told() {
 
 #[test]
 fn completions_are_there_for_common_shells() {
-    let place = Place::new();
+    let place = place();
     for (shell, part) in
         [("bash", "complete -F"), ("zsh", "#compdef specula"), ("fish", "complete -c specula")]
     {
@@ -362,7 +338,7 @@ fn completions_are_there_for_common_shells() {
 
 #[test]
 fn manual_pages_go_to_standard_output_or_a_directory() {
-    let place = Place::new();
+    let place = place();
     let (status, stdout, _) = place.run(&["man"]);
     assert!(status == 0 && stdout.contains(".TH specula 1"), "{stdout}");
     fs::create_dir(place.path("man")).expect("created");
@@ -379,7 +355,7 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
 
 #[test]
 fn the_schema_is_json() {
-    let (status, stdout, _) = Place::new().run(&["schema"]);
+    let (status, stdout, _) = place().run(&["schema"]);
     let schema: serde_json::Value = serde_json::from_str(&stdout).expect("JSON");
     assert_eq!(status, 0, "status");
     assert!(schema["properties"]["render"].is_object(), "{stdout}");
@@ -412,9 +388,9 @@ fn an_interrupt_ends_with_130_and_no_files() {
     use std::io::{BufRead as _, BufReader};
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
-    let place = Place::new();
+    let place = place();
     let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
-        .current_dir(place.0.path())
+        .current_dir(place.path("."))
         .args([
             "render",
             "ball.toml",
@@ -447,7 +423,7 @@ fn an_interrupt_ends_with_130_and_no_files() {
 
 #[test]
 fn scenes_are_found_relative_to_where_the_program_runs() {
-    let place = Place::new();
+    let place = place();
     fs::create_dir(place.path("sub")).expect("created");
     fs::rename(place.path("ball.toml"), place.path("sub/ball.toml")).expect("moved");
     let (status, stdout, stderr) =

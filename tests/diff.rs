@@ -1,19 +1,21 @@
 //! `specula diff` as its users meet it: pictures in; numbers, pictures and exit status out.
 
+#[path = "support/desk.rs"]
+mod desk;
+
 use std::fs;
 use std::path::PathBuf;
 
-use assert_cmd::Command;
+use desk::Desk;
 use serde_json::Value;
 use specula::image::exr::{self, Channel, Picture, Samples};
 use specula::image::tone::{Curve, Development};
 use specula::image::{Image, Window, png};
 use specula::math::Rgb;
 use specula::measure::magma;
-use tempfile::TempDir;
 
 /// A directory with pictures in it, in which the program is run.
-struct Place(TempDir);
+struct Place(Desk);
 
 /// One channel of a colour.
 type Part = fn(&Rgb<f32>) -> f32;
@@ -23,7 +25,7 @@ const SIZE: [u32; 2] = [24, 16];
 impl Place {
     /// With `a.exr`, which is 0.5 brighter than `b.exr` everywhere but 2 at (5, 3), and both as `.png`.
     fn new() -> Self {
-        let place = Self(tempfile::tempdir().expect("a directory"));
+        let place = Self(Desk::new());
         let reference = place.picture("b", |x, y| f32::from(u16::try_from(x + y).expect("small")) / 20.0);
         let mut test = reference;
         test.pixels_mut().iter_mut().for_each(|p| *p += Rgb::gray(0.5));
@@ -64,15 +66,12 @@ impl Place {
     }
 
     fn path(&self, name: &str) -> PathBuf {
-        self.0.path().join(name)
+        self.0.path(name)
     }
 
-    /// The program's exit status, standard output and standard error.
+    /// The exit status, standard output and standard error of the comparison.
     fn run(&self, words: &[&str]) -> (i32, String, String) {
-        let mut command = Command::cargo_bin("specula").expect("built");
-        let output = command.current_dir(self.0.path()).arg("diff").args(words).output().expect("run");
-        let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-        (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
+        self.0.run(&[&["diff"], words].concat())
     }
 
     /// The JSON document of a comparison that ends well.
@@ -80,15 +79,6 @@ impl Place {
         let (status, stdout, stderr) = self.run(&[words, &["--json"]].concat());
         assert_eq!(status, 0, "{words:?}: {stderr}");
         serde_json::from_str(&stdout).expect("JSON")
-    }
-
-    fn names(&self) -> Vec<String> {
-        let entries = fs::read_dir(self.0.path()).expect("a directory");
-        let mut names: Vec<_> = entries
-            .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-            .collect();
-        names.sort();
-        names
     }
 }
 
@@ -294,7 +284,7 @@ fn wrong_input_ends_with_status_2_says_what_to_do_and_leaves_the_old_file() {
     fs::write(place.path("a.jpg"), "no picture").expect("written");
     fs::write(place.path("old.exr"), "old").expect("written");
     fs::create_dir(place.path("dir.exr")).expect("created");
-    let before = place.names();
+    let before = place.0.names();
     let cases: [(&[&str], &[&str]); 21] = [
         (&[], &["<A>", "<B>"]),
         (&["a.exr"], &["<B>"]),
@@ -331,7 +321,7 @@ fn wrong_input_ends_with_status_2_says_what_to_do_and_leaves_the_old_file() {
         assert!(!stderr.contains("panicked"), "{words:?}: {stderr}");
         assert_eq!(fs::read(place.path("old.exr")).expect("there"), b"old", "{words:?}: untouched");
     }
-    assert_eq!(place.names(), before, "nothing else is left");
+    assert_eq!(place.0.names(), before, "nothing else is left");
 }
 
 #[test]
@@ -347,9 +337,8 @@ fn several_wrong_words_are_told_together() {
 #[test]
 fn an_instruction_set_that_is_not_there_is_refused() {
     let place = Place::new();
-    let mut command = Command::cargo_bin("specula").expect("built");
-    let output = command.current_dir(place.0.path()).args(["diff", "a.exr", "b.exr"]);
-    let output = output.env("SPECULA_ISA", "mmx").output().expect("run");
+    let mut command = place.0.command();
+    let output = command.args(["diff", "a.exr", "b.exr"]).env("SPECULA_ISA", "mmx").output().expect("run");
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.contains("SPECULA_ISA: unknown instruction set `mmx`"), "{stderr}");

@@ -3,9 +3,11 @@
 //!
 //! Messages are tested to the letter beside the readers; here it counts that each mistake comes through the whole program.
 
-use assert_cmd::Command;
+#[path = "support/desk.rs"]
+mod desk;
+
+use desk::Desk;
 use std::fs;
-use std::path::Path;
 
 /// A file, and what is in it.
 type File = (&'static str, &'static [u8]);
@@ -399,35 +401,29 @@ const COMMANDS: &[Case] = &[
 
 /// Runs a case in a folder of its own; what is wrong with its outcome.
 fn fault(case: &Case, words: &str, files: &[(&str, &[u8])]) -> Option<String> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = |name: &str| folder.path().join(name);
+    let desk = Desk::new();
+    let path = |name: &str| desk.path(name);
     files.iter().for_each(|(name, bytes)| fs::write(path(name), bytes).expect("written"));
     let old: [File; 2] = [("old.png", b"an old picture"), ("old.exr", b"another")];
     old.iter().for_each(|(name, bytes)| fs::write(path(name), bytes).expect("written"));
-    let mut command = Command::cargo_bin("specula").expect("built");
-    match words.strip_prefix('!') {
-        Some(words) => command.args(words.split_whitespace()),
-        None => command.args(["render", "-o", "old.png", "-o", "old.exr"]).args(words.split_whitespace()),
+    let (head, words): (&[&str], _) = match words.strip_prefix('!') {
+        Some(words) => (&[], words),
+        None => (&["render", "-o", "old.png", "-o", "old.exr"], words),
     };
-    let output = command.current_dir(folder.path()).output().expect("run");
-    let log = String::from_utf8_lossy(&output.stderr).into_owned();
+    let words: Vec<&str> = head.iter().copied().chain(words.split_whitespace()).collect();
+    let (status, results, log) = desk.run(&words);
     let kept = |(name, bytes): &File| fs::read(path(name)).is_ok_and(|now| now == *bytes);
     let told = case.told.iter().all(|text| log.contains(text));
     let faults = [
-        (output.status.code() != Some(2), "another status than 2"),
+        (status != 2, "another status than 2"),
         (!told, "not told what is wrong"),
         (log.contains("panicked"), "a panic"),
-        (!output.stdout.is_empty(), "results"),
+        (!results.is_empty(), "results"),
         (!old.iter().all(kept), "the old picture is lost"),
-        (litter(folder.path(), files.len() + old.len()), "files are left behind"),
+        (desk.names().len() != files.len() + old.len(), "files are left behind"),
     ];
     let found: Vec<&str> = faults.into_iter().filter(|(is, _)| *is).map(|(_, what)| what).collect();
-    (!found.is_empty()).then(|| format!("{}: {} ({:?}):\n{log}", case.name, found.join(", "), output.status))
-}
-
-/// Whether a folder holds other than so many files.
-fn litter(folder: &Path, files: usize) -> bool {
-    fs::read_dir(folder).expect("readable").count() != files
+    (!found.is_empty()).then(|| format!("{}: {} (status {status}):\n{log}", case.name, found.join(", ")))
 }
 
 #[test]

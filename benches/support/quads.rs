@@ -6,9 +6,6 @@ use glam::Vec3;
 use specula::accel::embree::{BuildOptions, EmbreeAccel, SceneOptions};
 use specula::geometry::{Mesh, Shape, World};
 use specula::math::Aabb;
-use specula::scene::description::Normals;
-use specula::scene::load::load_mesh;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Where the camera stands and what it looks at.
@@ -24,13 +21,6 @@ pub(crate) fn inside(bounds: Aabb) -> (Vec3, Vec3) {
 pub(crate) fn outside(bounds: Aabb) -> (Vec3, Vec3) {
     let away = Vec3::new(0.4, 0.5, 1.0).normalize() * bounds.radius() * 2.0;
     (bounds.center() + away, bounds.center())
-}
-
-/// The mesh of a file, where the model data is.
-pub(crate) fn load(file: &str) -> Option<Mesh> {
-    let data = std::env::var_os("SPECULA_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    Some(load_mesh(&data.join(format!("models/obj/{file}.obj")), Normals::Flat).ok()?.mesh)
 }
 
 /// Builds and queries.

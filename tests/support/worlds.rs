@@ -2,12 +2,14 @@
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
+#[path = "solids.rs"]
+mod solids;
+
 use crate::rays::Rng;
-use glam::{Affine3A, Quat, Vec2, Vec3};
-use specula::geometry::{
-    Disc, Frustum, HitFilter, Mesh, Pose, Ray, Shape, ShapeHit, Sphere, Surface, SurfacePoint, Torus, World,
-};
-use specula::math::{Aabb, Motion, Transform};
+use glam::{Affine3A, Quat, Vec3};
+use solids::{Ellipsoid, Ellipsoids, Ground, Sieve};
+use specula::geometry::{Disc, Frustum, Mesh, Pose, Shape, ShapeId, Sphere, Surface, Torus, World};
+use specula::math::{Motion, Transform};
 use std::sync::Arc;
 
 /// The worlds that backends must agree on.
@@ -70,7 +72,7 @@ fn round() -> World {
 }
 
 /// Shapes that find their own hits, in place and as instances.
-fn surfaces() -> World {
+pub(crate) fn surfaces() -> World {
     let mut rng = Rng::new(6);
     let mut world = World::default();
     for _ in 0..12 {
@@ -134,7 +136,7 @@ fn nested() -> World {
 }
 
 /// Placements and vertices under way, at different numbers of keys; groups of them under way as a whole.
-fn moving() -> World {
+pub(crate) fn moving() -> World {
     let mut rng = Rng::new(9);
     let mut world = World::default();
     let shapes = one_of_each(&mut rng).map(|shape| world.add_shape(shape));
@@ -172,14 +174,17 @@ fn masked() -> World {
     world
 }
 
-/// Shapes of which only some hits count.
+/// Shapes of which only some hits count, still and under way, and a mesh of which all do.
 fn filtered() -> World {
+    let mut rng = Rng::new(12);
     let mut world = instanced();
-    for (id, filter) in (0..).zip([Some(Sieve::Odd), Some(Sieve::Leaving), None, Some(Sieve::Leaving)]) {
-        if let Some(filter) = filter {
-            world.filters.insert(specula::geometry::ShapeId(id), Arc::new(filter));
-        }
+    for (shape, sieve) in (0..).map(ShapeId).zip([Sieve::Odd, Sieve::Leaving, Sieve::Leaving, Sieve::Leaving])
+    {
+        world.filters.insert(shape, Arc::new(sieve));
+        world.place(shape, random_motion(&mut rng, 3, 0.1, 0.3));
     }
+    let all = world.add_shape(Shape::Mesh(bumpy(8, 5)));
+    world.place(all, random_map(&mut rng, 0.1, 0.3));
     world
 }
 
@@ -293,7 +298,7 @@ fn random_motion(rng: &mut Rng, keys: u16, least: f32, most: f32) -> Motion {
     Motion::new(&(0..keys).map(key).collect::<Vec<_>>()).expect("invertible")
 }
 
-fn add(world: &mut World, shape: Shape, pose: Pose) -> specula::geometry::ShapeId {
+fn add(world: &mut World, shape: Shape, pose: Pose) -> ShapeId {
     let shape = world.add_shape(shape);
     world.place(shape, pose);
     shape
@@ -331,109 +336,9 @@ fn bumpy(around: u16, up: u16) -> Mesh {
     Mesh::new(positions, triangles).expect("good")
 }
 
-/// An ellipsoid with its axes along those of the space; in double precision.
-#[derive(Clone, Copy, Debug)]
-struct Ellipsoid {
-    center: Vec3,
-    axes: Vec3,
-}
-
-impl Ellipsoid {
-    fn random(rng: &mut Rng, least: f32, most: f32) -> Self {
-        let mut axis = || least + (most - least) * rng.unit();
-        let axes = Vec3::new(axis(), axis(), axis());
-        Self { center: rng.cube() * 0.5, axes }
-    }
-
-    /// The normal at a point, of any length.
-    fn normal(&self, p: Vec3) -> Vec3 {
-        (p - self.center) / (self.axes * self.axes)
-    }
-
-    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
-        let axes = self.axes.as_dvec3();
-        let o = (ray.o.as_dvec3() - self.center.as_dvec3()) / axes;
-        let d = ray.d.as_dvec3() / axes;
-        let mid = -o.dot(d) / d.length_squared();
-        let half2 = (1.0 - (o + d * mid).length_squared()) / d.length_squared();
-        let half = (half2 >= 0.0).then(|| half2.sqrt())?;
-        #[expect(clippy::cast_possible_truncation, reason = "ray parameters are in single precision")]
-        let roots = [mid - half, mid + half].map(|t| t as f32);
-        let t = roots.into_iter().find(|&t| t >= ray.t_min && t <= ray.t_max)?;
-        Some(ShapeHit { t, u: 0.0, v: 0.0, ng: self.normal(ray.at(t)) })
-    }
-}
-
-/// Several ellipsoids, each a primitive.
-#[derive(Clone, Debug)]
-struct Ellipsoids(Vec<Ellipsoid>);
-
-impl Surface for Ellipsoids {
-    fn primitive_count(&self) -> u32 {
-        u32::try_from(self.0.len()).expect("few")
-    }
-
-    fn primitive_bounds(&self, prim: u32) -> Aabb {
-        let Ellipsoid { center, axes } = self.0[prim as usize];
-        let reach = axes * (1.0 + 1e-5);
-        Aabb { min: center - reach, max: center + reach }
-    }
-
-    fn intersect(&self, prim: u32, ray: &Ray) -> Option<ShapeHit> {
-        self.0[prim as usize].intersect(ray)
-    }
-
-    fn point(&self, prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        let ball = self.0[prim as usize];
-        let out = (ray.at(hit.t) - ball.center) / ball.axes;
-        let p = ball.center + out.normalize() * ball.axes;
-        let p_error = (ball.center.abs() + ball.axes) * 1e-6;
-        SurfacePoint::smooth(p, p_error, ball.normal(p).normalize(), Vec2::ZERO)
-    }
-}
-
-/// The plane y = -2, without end.
-#[derive(Debug)]
-struct Ground;
-
-impl Surface for Ground {
-    fn primitive_bounds(&self, _prim: u32) -> Aabb {
-        let far = Vec3::new(f32::INFINITY, 0.0, f32::INFINITY);
-        Aabb { min: -far - Vec3::Y * 2.0, max: far - Vec3::Y * 2.0 }
-    }
-
-    fn intersect(&self, _prim: u32, ray: &Ray) -> Option<ShapeHit> {
-        let t = (-2.0 - ray.o.y) / ray.d.y;
-        (t >= ray.t_min && t <= ray.t_max).then_some(ShapeHit { t, u: 0.0, v: 0.0, ng: Vec3::Y })
-    }
-
-    fn point(&self, _prim: u32, ray: &Ray, hit: &ShapeHit) -> SurfacePoint {
-        let p = ray.at(hit.t).with_y(-2.0);
-        SurfacePoint::smooth(p, Vec3::splat(1e-6), Vec3::Y, Vec2::ZERO)
-    }
-}
-
 /// A world with something infinite in it; rays cannot be aimed by its bounds.
 pub(crate) fn grounded() -> World {
     let mut world = surfaces();
     add(&mut world, Shape::Surface(Arc::new(Ground)), Pose::World);
     world
-}
-
-/// Which hits count.
-#[derive(Clone, Copy, Debug)]
-enum Sieve {
-    /// Those on primitives of odd number.
-    Odd,
-    /// Those where the ray leaves.
-    Leaving,
-}
-
-impl HitFilter for Sieve {
-    fn accepts(&self, ray: &Ray, hit: &ShapeHit, prim: u32) -> bool {
-        match self {
-            Self::Odd => prim % 2 == 1,
-            Self::Leaving => hit.ng.dot(ray.d) > 0.0,
-        }
-    }
 }
