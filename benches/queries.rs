@@ -30,9 +30,7 @@ const TILES: u32 = 96;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut bench = Bench::new("queries");
-    let height = terrain::height(0.9, 0.9);
-    let (eye, at) = (Vec3::new(0.9, height + 0.25, 0.9), Vec3::new(0.0, 0.2, 0.0));
-    on_mesh(&mut bench, "terrain", terrain::terrain(708), Some((eye, at)))?;
+    on_mesh(&mut bench, "terrain", terrain::terrain(708), Some(terrain::view()))?;
     if let Some(mesh) = model("dragon") {
         on_mesh(&mut bench, "dragon", mesh, None)?;
     }

@@ -10,7 +10,6 @@ mod grid;
 mod rays;
 #[path = "support/mod.rs"]
 mod support;
-#[allow(dead_code, reason = "heights only")]
 #[path = "support/terrain.rs"]
 mod terrain;
 
@@ -58,8 +57,8 @@ fn race(bench: &mut Bench, count: u32, field: &HeightField) -> Result<(), Box<dy
     let within = EmbreeAccel::build(&walked, &BuildOptions::default())?;
     let alone = Brute::new(Arc::new(walked));
     println!("{count} x {count}: mesh {mesh_bytes} B + hierarchy {} B; grid {grid_bytes} B", embree.bytes());
-    let eye = Vec3::new(0.9, terrain::height(0.9, 0.9) + 0.25, 0.9);
-    let recorded = record(&triangles, &embree, eye, Vec3::new(0.0, 0.2, 0.0), TILES);
+    let (eye, at) = terrain::view();
+    let recorded = record(&triangles, &embree, eye, at, TILES);
     for (name, rays) in [("primary", &recorded.primary.single), ("diffuse", &recorded.diffuse.single)] {
         // All must do the same work: a ray in a thousand may slip by on a seam.
         let counts = [met(&embree, rays), met(&within, rays), met(&alone, rays)];

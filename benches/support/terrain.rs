@@ -3,6 +3,8 @@
 //! Heights are a sum of octaves of value noise, each of half the size and a little less than half the height of the
 //! one before (Musgrave 1994, in Texturing and Modeling, chapter 14), ridged so that slopes vary.
 
+#![allow(dead_code, reason = "each bench uses a part")]
+
 use glam::Vec3;
 use specula::geometry::Mesh;
 use specula::sampling::pcg::pcg2d;
@@ -22,6 +24,11 @@ pub(crate) fn terrain(cells: u32) -> Mesh {
         .flat_map(|i| [[i, i + row, i + 1], [i + 1, i + row, i + row + 1]])
         .collect();
     Mesh::new(positions, triangles).expect("indices name vertices of the grid")
+}
+
+/// A place a little above a corner of the landscape, and its middle.
+pub(crate) fn view() -> (Vec3, Vec3) {
+    (Vec3::new(0.9, height(0.9, 0.9) + 0.25, 0.9), Vec3::new(0.0, 0.2, 0.0))
 }
 
 /// Height of the landscape, between 0 and about 0.6.
