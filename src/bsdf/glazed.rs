@@ -1,7 +1,7 @@
 //! A smooth dielectric coat over a diffuse base: glazed pottery, billiard balls.
 
 use crate::bsdf::mirror::reflection;
-use crate::bsdf::{Branch, Diffuse, FresnelModel, Glass};
+use crate::bsdf::{Branch, Diffuse, FresnelModel, Glass, Spread};
 use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
@@ -28,11 +28,16 @@ impl Coat {
     }
 
     /// The coat over a base that reflects `base`, each channel in [0, 1].
-    #[must_use]
-    pub fn over(&self, base: Rgb<f32>) -> Glazed<f32> {
-        // The sum over all bounces between base and coat, and the spreading of the cone of light that enters.
-        let through = |rho: f32| rho / (self.ior * self.ior * (1.0 - rho * self.inside));
-        Glazed { glass: self.glass, inside: Rgb::new(through(base.r), through(base.g), through(base.b)) }
+    #[inline(always)]
+    pub fn over<F: Lanes>(&self, base: Rgb<F>) -> Glazed<F> {
+        let inside = Rgb::new(self.through(base.r), self.through(base.g), self.through(base.b));
+        Glazed { glass: self.glass.spread(base.r), inside }
+    }
+
+    /// The sum over all bounces between base and coat, and the spreading of the cone of light that enters.
+    #[inline(always)]
+    fn through<F: Lanes>(&self, rho: F) -> F {
+        rho / ((-rho * self.inside + 1.0) * (self.ior * self.ior))
     }
 }
 

@@ -32,13 +32,18 @@ impl<F: Lanes> Mix<F> {
         Self { parts: [Some(Part { weight: Rgb::gray(like.splat(1.0)), bsdf }), None, None, None] }
     }
 
-    /// The surfaces of `parts`, without what is beyond [`MOST_PARTS`].
-    pub fn new(parts: impl IntoIterator<Item = Part<F>>) -> Self {
-        let mut own = [None; MOST_PARTS];
-        for (slot, part) in own.iter_mut().zip(parts) {
-            *slot = Some(part);
+    /// No surface yet.
+    #[inline(always)]
+    pub fn nothing() -> Self {
+        Self { parts: [None; MOST_PARTS] }
+    }
+
+    /// Adds a surface; one beyond [`MOST_PARTS`] is left out.
+    #[inline(always)]
+    pub fn push(&mut self, part: Part<F>) {
+        if let Some(free) = self.parts.iter_mut().find(|slot| slot.is_none()) {
+            *free = Some(part);
         }
-        Self { parts: own }
     }
 
     /// The surfaces, in order.

@@ -5,6 +5,7 @@
 //! `eval` in one file, in that order. `eval` is without the cosine, `pdf` is with respect to solid angle. Specular lobes
 //! have neither: they have [`Bsdf::branches`].
 
+pub mod choice;
 pub mod fresnel;
 pub mod microfacet;
 
@@ -14,6 +15,7 @@ mod diffuse;
 mod glazed;
 mod glossy;
 mod jitter;
+mod lobe;
 mod mirror;
 mod mix;
 mod oren_nayar;
@@ -22,6 +24,7 @@ mod reflectance;
 mod rough_dielectric;
 mod sample;
 mod schlick;
+mod spread;
 mod thin_dielectric;
 mod truncation;
 
@@ -31,6 +34,7 @@ pub use diffuse::Diffuse;
 pub use glazed::{Coat, Glazed};
 pub use glossy::{Below, Glossy};
 pub use jitter::Jitter;
+pub use lobe::{Lobe, Over};
 pub use mirror::Mirror;
 pub use mix::{MOST_PARTS, Mix, Part};
 pub use oren_nayar::OrenNayar;
@@ -39,6 +43,7 @@ pub use reflectance::{FresnelModel, Glass, Metal};
 pub use rough_dielectric::RoughDielectric;
 pub use sample::{Branch, BsdfSample, Lobes};
 pub use schlick::Schlick;
+pub use spread::Spread;
 pub use thin_dielectric::ThinDielectric;
 
 use crate::math::lanes::Lanes;
@@ -64,127 +69,76 @@ pub enum Bsdf<F> {
     /// A pane.
     ThinDielectric(ThinDielectric<F>),
     /// A fuzzy mirror over a matt base.
-    Glossy {
-        /// The fuzzy mirror.
-        lobe: Glossy<F>,
-        /// The base, which gets its own share of the light.
-        base: Diffuse<F>,
-    },
+    Glossy(Over<Glossy<F>, F>),
     /// A reciprocal Phong lobe over a matt base.
-    Phong {
-        /// The lobe.
-        lobe: Phong<F>,
-        /// The base, which gets its own share of the light.
-        base: Diffuse<F>,
-    },
+    Phong(Over<Phong<F>, F>),
     /// A mirror with a trembling normal over a matt base.
-    Jitter {
-        /// The mirror.
-        lobe: Jitter<F>,
-        /// The base, which gets its own share of the light.
-        base: Diffuse<F>,
-    },
+    Jitter(Over<Jitter<F>, F>),
     /// A smooth coat over a matt base.
     Glazed(Glazed<F>),
     /// From matt to mirror by one number.
     Schlick(Schlick<F>),
 }
 
+/// Runs an expression for the lobe within, whichever it is. Arms of their own: each sees one lobe only.
+macro_rules! with_lobe {
+    ($bsdf:expr, $lobe:ident => $body:expr) => {
+        match $bsdf {
+            $crate::bsdf::Bsdf::Diffuse($lobe) => $body,
+            $crate::bsdf::Bsdf::OrenNayar($lobe) => $body,
+            $crate::bsdf::Bsdf::Mirror($lobe) => $body,
+            $crate::bsdf::Bsdf::Conductor($lobe) => $body,
+            $crate::bsdf::Bsdf::RoughConductor($lobe) => $body,
+            $crate::bsdf::Bsdf::Dielectric($lobe) => $body,
+            $crate::bsdf::Bsdf::RoughDielectric($lobe) => $body,
+            $crate::bsdf::Bsdf::ThinDielectric($lobe) => $body,
+            $crate::bsdf::Bsdf::Glossy($lobe) => $body,
+            $crate::bsdf::Bsdf::Phong($lobe) => $body,
+            $crate::bsdf::Bsdf::Jitter($lobe) => $body,
+            $crate::bsdf::Bsdf::Glazed($lobe) => $body,
+            $crate::bsdf::Bsdf::Schlick($lobe) => $body,
+        }
+    };
+}
+pub(crate) use with_lobe;
+
 impl<F: Lanes> Bsdf<F> {
     /// Which kinds of scattering there are.
     #[inline(always)]
     pub fn lobes(&self) -> Lobes {
-        match self {
-            Self::Diffuse(_) | Self::OrenNayar(_) => Lobes::DIFFUSE,
-            Self::Mirror(_) | Self::Conductor(_) | Self::Dielectric(_) | Self::ThinDielectric(_) => {
-                Lobes::SPECULAR
-            }
-            Self::RoughConductor(_) => Lobes::GLOSSY,
-            Self::RoughDielectric(_) => Lobes::GLOSSY | Lobes::THROUGH,
-            Self::Glossy { .. } | Self::Phong { .. } | Self::Jitter { .. } => Lobes::GLOSSY | Lobes::DIFFUSE,
-            Self::Glazed(_) => Lobes::SPECULAR | Lobes::DIFFUSE,
-            Self::Schlick(_) => Lobes::SPECULAR | Lobes::GLOSSY | Lobes::DIFFUSE,
+        const fn of<F: Lanes, L: Lobe<F>>(_: &L) -> Lobes {
+            L::LOBES
         }
+        with_lobe!(self, lobe => of::<F, _>(lobe))
     }
 
-    /// The BSDF of the diffuse lobe, 1/sr.
+    /// See [`Lobe::eval_diffuse`].
     #[inline(always)]
     pub fn eval_diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        match self {
-            Self::Diffuse(lobe)
-            | Self::Glossy { base: lobe, .. }
-            | Self::Phong { base: lobe, .. }
-            | Self::Jitter { base: lobe, .. } => lobe.eval(wo, wi),
-            Self::OrenNayar(lobe) => lobe.eval(wo, wi),
-            Self::Glazed(lobe) => lobe.diffuse(wo, wi),
-            Self::Schlick(lobe) => lobe.diffuse(wo, wi),
-            _ => Rgb::gray(wo.z.splat(0.0)),
-        }
+        with_lobe!(self, lobe => lobe.eval_diffuse(wo, wi))
     }
 
-    /// The BSDF of the glossy lobe that `wi` belongs to, reflection above and transmission below, 1/sr.
+    /// See [`Lobe::eval_glossy`].
     #[inline(always)]
     pub fn eval_glossy(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        match self {
-            Self::RoughConductor(lobe) => lobe.eval(wo, wi),
-            Self::RoughDielectric(lobe) => lobe.eval(wo, wi),
-            Self::Glossy { lobe, .. } => lobe.eval(wo, wi),
-            Self::Phong { lobe, .. } => lobe.eval(wo, wi),
-            Self::Jitter { lobe, .. } => lobe.eval(wo, wi),
-            Self::Schlick(lobe) => lobe.eval(wo, wi),
-            _ => Rgb::gray(wo.z.splat(0.0)),
-        }
+        with_lobe!(self, lobe => lobe.eval_glossy(wo, wi))
     }
 
-    /// Density of the sample of [`Self::sample_glossy`] on the side of `wi`, with respect to solid angle.
+    /// See [`Lobe::pdf_glossy`].
     #[inline(always)]
     pub fn pdf_glossy(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        match self {
-            Self::RoughConductor(lobe) => lobe.pdf(wo, wi),
-            Self::RoughDielectric(lobe) => lobe.pdf(wo, wi),
-            Self::Glossy { lobe, .. } => lobe.pdf(wo, wi),
-            Self::Phong { lobe, .. } => lobe.pdf(wo, wi),
-            Self::Jitter { lobe, .. } => lobe.pdf(wo, wi),
-            Self::Schlick(lobe) => lobe.pdf(wo, wi),
-            _ => wo.z.splat(0.0),
-        }
+        with_lobe!(self, lobe => lobe.pdf_glossy(wo, wi))
     }
 
-    /// A direction of the glossy reflection and one of the glossy transmission, where there are such lobes. Each has the
-    /// density of its own lobe: both are to be followed.
+    /// See [`Lobe::sample_glossy`].
     #[inline(always)]
     pub fn sample_glossy(&self, wo: Vec3<F>, u2: [F; 2]) -> [Option<BsdfSample<F>>; 2] {
-        match self {
-            Self::RoughConductor(lobe) => [Some(lobe.sample(wo, u2)), None],
-            Self::RoughDielectric(lobe) => {
-                let [mirrored, refracted] = lobe.sample(wo, u2);
-                [Some(mirrored), Some(refracted)]
-            }
-            Self::Glossy { lobe, .. } => [Some(lobe.sample(wo, u2)), None],
-            Self::Phong { lobe, .. } => [Some(lobe.sample(wo, u2)), None],
-            Self::Jitter { lobe, .. } => [Some(lobe.sample(wo, u2)), None],
-            Self::Schlick(lobe) => [Some(lobe.sample(wo, u2)), None],
-            _ => [None, None],
-        }
+        with_lobe!(self, lobe => lobe.sample_glossy(wo, u2))
     }
 
-    /// The ways on at a specular interface, none for other surfaces: reflection first, then transmission.
+    /// See [`Lobe::branches`].
     #[inline(always)]
     pub fn branches(&self, wo: Vec3<F>) -> [Option<Branch<F>>; 2] {
-        match self {
-            Self::Mirror(lobe) => [Some(lobe.branch(wo)), None],
-            Self::Conductor(lobe) => [Some(lobe.branch(wo)), None],
-            Self::Glazed(lobe) => [Some(lobe.branch(wo)), None],
-            Self::Schlick(lobe) => [Some(lobe.branch(wo)), None],
-            Self::Dielectric(lobe) => {
-                let [reflected, refracted] = lobe.branches(wo);
-                [Some(reflected), Some(refracted)]
-            }
-            Self::ThinDielectric(lobe) => {
-                let [reflected, transmitted] = lobe.branches(wo);
-                [Some(reflected), Some(transmitted)]
-            }
-            _ => [None, None],
-        }
+        with_lobe!(self, lobe => Lobe::branches(lobe, wo))
     }
 }

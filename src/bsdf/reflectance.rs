@@ -13,6 +13,7 @@
 //! Plain Schlick is for indices from 1.3 to 2.2; near 1 it shows a bright rim where there is no interface at all.
 //! Constant reflectance is the metal of introductory lectures: right at normal incidence, wrong by up to 1 at grazing.
 
+use crate::bsdf::Spread;
 use crate::bsdf::fresnel::{self, Interface};
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
@@ -132,6 +133,20 @@ enum Curve<F> {
     Schlick { r0: F },
     F82 { r0: F, edge: F },
     Constant { r0: F },
+}
+
+impl Spread for Glass<f32> {
+    type Over<F: Lanes> = Glass<F>;
+    #[inline(always)]
+    fn spread<F: Lanes>(&self, like: F) -> Glass<F> {
+        let curve = match self.curve {
+            Curve::Exact => Curve::Exact,
+            Curve::Schlick { r0 } => Curve::Schlick { r0: like.splat(r0) },
+            Curve::F82 { r0, edge } => Curve::F82 { r0: like.splat(r0), edge: like.splat(edge) },
+            Curve::Constant { r0 } => Curve::Constant { r0: like.splat(r0) },
+        };
+        Glass { eta: like.splat(self.eta), curve }
+    }
 }
 
 impl<F: Lanes> Glass<F> {

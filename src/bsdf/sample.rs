@@ -22,6 +22,12 @@ impl Lobes {
     /// Everything.
     pub const ALL: Self = Self(15);
 
+    /// Both sets together.
+    #[must_use]
+    pub const fn and(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
     /// Whether the two sets share a kind.
     #[must_use]
     pub const fn intersects(self, other: Self) -> bool {
@@ -33,7 +39,7 @@ impl BitOr for Lobes {
     type Output = Self;
 
     fn bitor(self, other: Self) -> Self {
-        Self(self.0 | other.0)
+        self.and(other)
     }
 }
 

@@ -9,7 +9,7 @@
 use crate::bsdf::conductor::half_vector;
 use crate::bsdf::microfacet::{Distribution, Ggx, SMOOTHEST};
 use crate::bsdf::mirror::reflection;
-use crate::bsdf::{Branch, BsdfSample, Diffuse, fresnel};
+use crate::bsdf::{Branch, BsdfSample, Diffuse, Spread, fresnel};
 use crate::math::lanes::{Compare, Lanes, MaskLanes};
 use crate::math::{Rgb, Vec3};
 
@@ -21,6 +21,15 @@ pub struct Schlick<F> {
     /// Shares of the diffuse part, the glossy part and the mirror; they add up to 1.
     shares: [F; 3],
     facets: Distribution<F>,
+}
+
+impl Spread for Schlick<f32> {
+    type Over<F: Lanes> = Schlick<F>;
+    #[inline(always)]
+    fn spread<F: Lanes>(&self, like: F) -> Schlick<F> {
+        let shares = self.shares.map(|share| like.splat(share));
+        Schlick { color: self.color.spread(like), shares, facets: self.facets.spread(like) }
+    }
 }
 
 impl<F: Lanes> Schlick<F> {
@@ -77,6 +86,12 @@ impl<F: Lanes> Schlick<F> {
     pub fn diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
         let (h, _) = half_vector(wo, wi);
         Diffuse { reflectance: self.tint(wo.dot(h)) * self.shares[0] }.eval(wo, wi)
+    }
+
+    /// About what the glossy part returns.
+    #[inline(always)]
+    pub(super) fn glossy_share(&self, wo: Vec3<F>) -> F {
+        self.tint(wo.z).max_channel() * self.shares[1]
     }
 
     /// The mirror, with its share.

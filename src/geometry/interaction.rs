@@ -46,7 +46,8 @@ impl Interaction {
     /// The ray towards a point that ends just before it; parameters count from 0 at the start to 1 at the point.
     #[must_use]
     pub fn spawn_to(&self, target: Vec3) -> Ray {
-        let o = spawn::origin(self.p, self.p_error, self.ng, target - self.p);
+        let d = (target - self.p).into();
+        let o: Vec3 = spawn::origin::<f32>(self.p.into(), self.p_error.into(), self.ng.into(), d).into();
         Ray::new(o, target - o).until(spawn::SHADOW_REACH).at_time(self.time)
     }
 }

@@ -1,7 +1,7 @@
 //! Triangle meshes.
 
-use crate::geometry::{ShapeHit, SurfacePoint};
-use crate::math::float::{UNIT_ROUNDOFF, gamma};
+use crate::geometry::points::Corners;
+use crate::geometry::{Points, ShapeHit, SurfacePoint};
 use crate::math::{Aabb, Transform, motion};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -24,10 +24,6 @@ struct Key {
     positions: Arc<[Vec3]>,
     normals: Option<Arc<[Vec3]>>,
 }
-
-/// Roundings that an intersection test spends on a point near its own triangle; `tests/spawn.rs` counts the rays that a
-/// smaller number lets hit what they leave.
-const TRIANGLE_ROUNDINGS: f32 = 4.0;
 
 /// Why a mesh was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -198,6 +194,14 @@ impl Mesh {
         self.uvs.is_some()
     }
 
+    pub(super) fn normals(&self) -> Option<&[Vec3]> {
+        self.normals.as_deref()
+    }
+
+    pub(super) fn uvs(&self) -> Option<&[Vec2]> {
+        self.uvs.as_deref()
+    }
+
     /// The group of a triangle; 0 where the mesh has no groups.
     #[must_use]
     pub fn group(&self, triangle: u32) -> u16 {
@@ -283,26 +287,14 @@ impl Mesh {
 
     /// The point with the surface parameters of a hit, at a moment of the shutter.
     pub(super) fn point(&self, triangle: u32, time: f32, hit: &ShapeHit) -> SurfacePoint {
-        let [a, b, c] = self.corners_at(triangle, time);
-        let (u, v) = (hit.u, hit.v);
-        let w = 1.0 - u - v;
-        let p = a * w + b * u + c * v;
-        let (e1, e2) = (b - a, c - a);
-        let cross = e1.cross(e2);
-        let ng = cross.normalize_or(hit.ng.normalize_or(Vec3::Z));
-        // The plane of a needle is known less well than that of a fat triangle: by the ratio of edges to area.
-        let reach = e1.length().max(e2.length());
-        let slenderness = e1.length() * e2.length() / cross.length().max(f32::MIN_POSITIVE);
-        let traversal = TRIANGLE_ROUNDINGS * UNIT_ROUNDOFF * reach * (1.0 + slenderness.min(1e3));
-        // Corners on their way are off by the rounding of their interpolation.
-        let roundings = if self.later.is_empty() { gamma(7) } else { gamma(11) };
-        let p_error = (a.abs() * w.abs() + b.abs() * u + c.abs() * v) * roundings + Vec3::splat(traversal);
-        let smooth = self.corner_normals_at(triangle, time).map(|[na, nb, nc]| na * w + nb * u + nc * v);
-        let ns = smooth.map_or(ng, |n| n.normalize_or(ng));
-        // Vertex normals are more often right than the winding.
-        let ng = if ns.dot(ng) < 0.0 { -ng } else { ng };
-        let uv = self.corner_uvs(triangle).map_or(Vec2::new(u, v), |[ta, tb, tc]| ta * w + tb * u + tc * v);
-        SurfacePoint { p, p_error, ng, ns, uv }
+        let known = Corners {
+            positions: self.corners_at(triangle, time).map(Into::into),
+            normals: self.corner_normals_at(triangle, time).map(|normals| normals.map(Into::into)),
+            uvs: self.corner_uvs(triangle).map(|uvs| uvs.map(Into::into)),
+            moving: !self.later.is_empty(),
+        };
+        let Points { p, p_error, ng, ns, uv } = known.at([hit.u, hit.v], hit.ng.into());
+        SurfacePoint { p: p.into(), p_error: p_error.into(), ng: ng.into(), ns: ns.into(), uv: uv.into() }
     }
 
     /// Bytes of the arrays.

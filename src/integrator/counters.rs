@@ -13,6 +13,8 @@ pub struct Counters {
     pub refracted: u64,
     /// Rays drawn from glossy lobes.
     pub glossy: u64,
+    /// Rays of paths from surface to surface.
+    pub bounced: u64,
     /// Rays towards lights, each segment through glass counted.
     pub shadow: u64,
     /// Rays continued through surfaces that overlapping media hide.
@@ -27,7 +29,7 @@ impl Counters {
     /// All rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
-        self.camera + self.reflected + self.refracted + self.glossy + self.shadow + self.hidden
+        self.camera + self.reflected + self.refracted + self.glossy + self.bounced + self.shadow + self.hidden
     }
 }
 
@@ -37,6 +39,7 @@ impl AddAssign for Counters {
         self.reflected += other.reflected;
         self.refracted += other.refracted;
         self.glossy += other.glossy;
+        self.bounced += other.bounced;
         self.shadow += other.shadow;
         self.hidden += other.hidden;
         self.cut_by_depth += other.cut_by_depth;

@@ -16,7 +16,7 @@ use crate::scene::GlassShadows;
 /// A point that light falls on.
 pub(super) struct Receiver<'a> {
     pub(super) it: &'a Interaction,
-    pub(super) shading: Shading,
+    pub(super) shading: Shading<f32>,
     pub(super) mix: &'a Mix<f32>,
     /// The medium on the viewer's side, and that on the other.
     pub(super) media: [Option<MaterialId>; 2],
@@ -90,7 +90,7 @@ fn from_light<A: Accel>(
     }
     let medium = receiver.media[usize::from(below)];
     let length = if light.is_infinite() { f32::INFINITY } else { (sample.p - receiver.it.p.into()).length() };
-    (diffuse + glossy) * stage.absorbed(medium, length)
+    (diffuse + glossy) * stage.scene.absorbed(medium, length)
 }
 
 /// What diffuse and glossy lobes make of a light's sample on one side, were nothing in between.
@@ -105,7 +105,7 @@ fn scattered(
     // Light from behind the true surface would leak through it, whatever the interpolated normal says.
     let side = if below { -1.0 } else { 1.0 };
     let cos = wi.z * side;
-    if !sample.valid || cos <= 0.0 || sample.wi.dot(shading.ng.into()) * side <= 0.0 {
+    if !sample.valid || cos <= 0.0 || sample.wi.dot(shading.ng) * side <= 0.0 {
         return (Rgb::BLACK, Rgb::BLACK);
     }
     let arriving = sample.li * (cos / sample.pdf);

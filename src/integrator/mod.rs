@@ -5,22 +5,25 @@
 
 mod counters;
 mod direct;
+mod path;
 mod shading;
 mod splitting;
 mod view;
 mod whitted;
 
 pub use counters::Counters;
+pub use path::{Path, Wave};
 pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;
 
 use crate::accel::Accel;
-use crate::geometry::Ray;
-use crate::material::{MaterialId, Media};
+use crate::geometry::{Interaction, Ray};
+use crate::material::{Material, Media};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
 use crate::scene::Scene;
+use glam::Vec3;
 
 /// What one camera ray brings home.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,18 +45,6 @@ pub struct Stage<'a, A> {
     pub eye_media: Media,
 }
 
-impl<A> Stage<'_, A> {
-    /// Beer's law: what is left of light after `length` metres of a medium.
-    fn absorbed(&self, medium: Option<MaterialId>, length: f32) -> Rgb<f32> {
-        let Some(medium) = medium.and_then(|id| self.scene.materials[id.index()].medium()) else {
-            return Rgb::WHITE;
-        };
-        let pass = |sigma: f32| if sigma > 0.0 { (-sigma * length).exp() } else { 1.0 };
-        let Rgb { r, g, b } = medium.absorption;
-        Rgb::new(pass(r), pass(g), pass(b))
-    }
-}
-
 /// What one thread writes to.
 #[derive(Debug, Default)]
 pub struct Worker {
@@ -73,4 +64,11 @@ pub trait Integrator: Sync {
         sampler: &S,
         worker: &mut Worker,
     ) -> Radiance;
+}
+
+/// The first tangent of a surface that is not the same in all directions.
+fn tangent(scene: &Scene, it: &Interaction, material: &Material) -> Option<Vec3> {
+    let (sin, cos) = material.scattering.turn()?.sin_cos();
+    let x = scene.world.tangent(it);
+    Some(x * cos + it.ns.cross(x) * sin)
 }

@@ -23,9 +23,9 @@ use crate::geometry::{Interaction, Ray};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{Integrator, Radiance, Splitting, Stage, Worker};
+use crate::integrator::{Integrator, Radiance, Splitting, Stage, Worker, tangent};
 use crate::light::Reference;
-use crate::material::{Crossing, Material, Media};
+use crate::material::{Crossing, Media};
 use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
 use glam::Vec3;
@@ -143,8 +143,8 @@ impl Whitted {
         if emitted != Rgb::BLACK {
             *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
         }
-        let Some(mix) = material.bsdf(it.uv, eta) else { return true };
-        let shading = Shading::at(&it, tangent(stage, &it, material));
+        let Some(mix) = material.bsdf(it.uv.into(), eta) else { return true };
+        let shading = Shading::at(&it, tangent(scene, &it, material));
         let media = [node.media.current(), beyond.current()];
         let counts = self.splitting.at(node.depth);
         let receiver = Receiver { it: &it, shading, mix: &mix, media, counts };
@@ -167,9 +167,9 @@ impl Whitted {
             branches.swap(0, 1);
         }
         for branch in branches.into_iter().flatten().filter(|branch| branch.valid) {
-            let d = at.shading.to_world(branch.wi).normalize();
+            let d: Vec3 = at.shading.to_world(branch.wi).into();
             // Where a bent normal sends refraction back to the side it came from, there is no way through.
-            if branch.transmission != (d.dot(at.shading.ng) < 0.0) {
+            if branch.transmission != (d.dot(at.shading.ng.into()) < 0.0) {
                 continue;
             }
             let radiance_scale = at.node.radiance_scale * branch.radiance_scale;
@@ -244,7 +244,7 @@ fn nth(vertex: Vertex, j: u32, count: u32) -> Vertex {
 struct At<'a> {
     node: &'a Node,
     it: &'a Interaction,
-    shading: Shading,
+    shading: Shading<f32>,
     /// Index of refraction behind the surface over that before it.
     eta: f32,
     /// The media behind the surface.
@@ -267,8 +267,8 @@ impl At<'_> {
     ) -> Option<Node> {
         let BsdfSample { weight, pdf, wi, .. } = sample.filter(|sample| sample.valid)?;
         let through = way == GLOSSY_THROUGH;
-        let d = self.shading.to_world(wi).normalize();
-        if through != (d.dot(self.shading.ng) < 0.0) {
+        let d: Vec3 = self.shading.to_world(wi).into();
+        if through != (d.dot(self.shading.ng.into()) < 0.0) {
             return None;
         }
         // Already in the weight: radiance grows with the square of the index.
@@ -286,13 +286,6 @@ impl At<'_> {
             drawn: Some(Drawn { from: receiver.reference(through), pdf, counts }),
         })
     }
-}
-
-/// The first tangent of a surface that is not the same in all directions.
-fn tangent<A: Accel>(stage: &Stage<'_, A>, it: &Interaction, material: &Material) -> Option<Vec3> {
-    let (sin, cos) = material.scattering.turn()?.sin_cos();
-    let x = stage.scene.world.tangent(it);
-    Some(x * cos + it.ns.cross(x) * sin)
 }
 
 /// The surface that a branch ends at.
@@ -340,7 +333,7 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
 
 /// What the medium that the branch is in leaves of light over `length` metres.
 fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
-    node.beta *= stage.absorbed(node.media.current(), length);
+    node.beta *= stage.scene.absorbed(node.media.current(), length);
 }
 
 fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {

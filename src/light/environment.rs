@@ -21,6 +21,12 @@ pub enum Environment {
 }
 
 impl Environment {
+    /// The radiance where it is the same from everywhere.
+    #[must_use]
+    pub fn constant(&self) -> Option<Rgb<f32>> {
+        if let Self::Constant(radiance) = self { Some(*radiance) } else { None }
+    }
+
     /// Radiance from the unit direction `d`.
     #[must_use]
     pub fn radiance(&self, d: glam::Vec3) -> Rgb<f32> {

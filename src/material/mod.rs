@@ -9,7 +9,7 @@ pub use scattering::{Facets, Layer, Scattering};
 
 use crate::bsdf::Mix;
 use crate::math::Rgb;
-use glam::Vec2;
+use crate::math::lanes::Lanes;
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -76,8 +76,8 @@ impl Material {
 
     /// How the surface scatters at surface parameters `uv`; absent for black ones. `eta` is the index of
     /// the far side over that of the near side, and matters to dielectrics only.
-    #[must_use]
-    pub fn bsdf(&self, uv: Vec2, eta: f32) -> Option<Mix<f32>> {
+    #[inline(always)]
+    pub fn bsdf<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Mix<F>> {
         self.scattering.bsdf(uv, eta)
     }
 }

@@ -3,12 +3,12 @@
 use crate::bsdf::microfacet::Distribution;
 use crate::bsdf::{
     Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, Metal, Mirror, Mix,
-    OrenNayar, Part, Phong, RoughConductor, RoughDielectric, Schlick, ThinDielectric,
+    OrenNayar, Over, Part, Phong, RoughConductor, RoughDielectric, Schlick, Spread, ThinDielectric,
 };
 use crate::material::Medium;
 use crate::math::Rgb;
+use crate::math::lanes::Lanes;
 use crate::texture::Texture;
-use glam::Vec2;
 
 /// What a surface does with light.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,42 +105,48 @@ pub struct Layer {
 
 impl Scattering {
     /// How the surface scatters; see [`crate::material::Material::bsdf`].
-    pub(super) fn bsdf(&self, uv: Vec2, eta: f32) -> Option<Mix<f32>> {
-        let Self::Mix(layers) = self else { return Some(Mix::of(1.0, self.single(uv, eta)?)) };
-        let parts = layers
-            .iter()
-            .filter_map(|l| Some(Part { weight: l.weight, bsdf: l.scattering.single(uv, eta)? }));
-        Some(Mix::new(parts))
+    #[inline(always)]
+    pub(super) fn bsdf<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Mix<F>> {
+        let Self::Mix(layers) = self else { return Some(Mix::of(eta, self.single(uv, eta)?)) };
+        let mut mix = Mix::nothing();
+        for layer in layers {
+            if let Some(bsdf) = layer.scattering.single(uv, eta) {
+                mix.push(Part { weight: layer.weight.spread(eta), bsdf });
+            }
+        }
+        Some(mix)
     }
 
     /// How one surface scatters; absent for black ones and for mixes.
-    fn single(&self, uv: Vec2, eta: f32) -> Option<Bsdf<f32>> {
-        let diffuse = |base: &Texture| Diffuse { reflectance: base.at(uv) };
+    #[inline(always)]
+    fn single<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Bsdf<F>> {
         Some(match self {
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(diffuse(reflectance)),
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
             Self::OrenNayar { reflectance, roughness } => {
-                Bsdf::OrenNayar(OrenNayar { reflectance: reflectance.at(uv), roughness: *roughness })
+                let roughness = eta.splat(*roughness);
+                Bsdf::OrenNayar(OrenNayar { reflectance: reflectance.at(uv), roughness })
             }
-            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: *reflectance }),
-            &Self::Conductor { metal, facets: None } => Bsdf::Conductor(Conductor { metal }),
-            &Self::Conductor { metal, facets: Some(Facets { distribution: facets, .. }) } => {
+            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: reflectance.spread(eta) }),
+            Self::Conductor { metal, facets: None } => {
+                Bsdf::Conductor(Conductor { metal: metal.spread(eta) })
+            }
+            Self::Conductor { metal, facets: Some(Facets { distribution, .. }) } => {
+                let (metal, facets) = (metal.spread(eta), distribution.spread(eta));
                 Bsdf::RoughConductor(RoughConductor { metal, facets })
             }
-            &Self::Dielectric { fresnel, facets, .. } => {
-                let glass = Glass::new(fresnel, eta);
-                match facets {
-                    None => Bsdf::Dielectric(Dielectric { glass }),
-                    Some(Facets { distribution: facets, .. }) => {
-                        Bsdf::RoughDielectric(RoughDielectric { glass, facets })
-                    }
-                }
+            Self::Dielectric { fresnel, facets: None, .. } => {
+                Bsdf::Dielectric(Dielectric { glass: Glass::new(*fresnel, eta) })
             }
-            Self::ThinDielectric(pane) => Bsdf::ThinDielectric(*pane),
-            Self::Glossy { lobe, base } => Bsdf::Glossy { lobe: *lobe, base: diffuse(base) },
-            Self::Phong { lobe, base } => Bsdf::Phong { lobe: *lobe, base: diffuse(base) },
-            Self::Jitter { lobe, base } => Bsdf::Jitter { lobe: *lobe, base: diffuse(base) },
+            Self::Dielectric { fresnel, facets: Some(Facets { distribution, .. }), .. } => {
+                let (glass, facets) = (Glass::new(*fresnel, eta), distribution.spread(eta));
+                Bsdf::RoughDielectric(RoughDielectric { glass, facets })
+            }
+            Self::ThinDielectric(pane) => Bsdf::ThinDielectric(pane.spread(eta)),
+            Self::Glossy { lobe, base } => Bsdf::Glossy(over(lobe.spread(eta), base.at(uv))),
+            Self::Phong { lobe, base } => Bsdf::Phong(over(lobe.spread(eta), base.at(uv))),
+            Self::Jitter { lobe, base } => Bsdf::Jitter(over(lobe.spread(eta), base.at(uv))),
             Self::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(uv))),
-            Self::Schlick(surface) => Bsdf::Schlick(*surface),
+            Self::Schlick(surface) => Bsdf::Schlick(surface.spread(eta)),
             Self::Black | Self::Mix(_) => return None,
         })
     }
@@ -191,4 +197,10 @@ impl Scattering {
             _ => Rgb::BLACK,
         }
     }
+}
+
+/// A lobe over a matt base of this colour.
+#[inline(always)]
+fn over<L, F>(lobe: L, reflectance: Rgb<F>) -> Over<L, F> {
+    Over { lobe, base: Diffuse { reflectance } }
 }

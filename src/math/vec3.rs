@@ -54,6 +54,18 @@ impl<F: Lanes> Vec3<F> {
     pub fn normalize(self) -> Self {
         self * self.length2().rsqrt()
     }
+    /// The unit vector of the same direction; `other` where there is none, or where squares over- or underflow.
+    #[inline(always)]
+    pub fn normalize_or(self, other: Self) -> Self {
+        let inverse = self.length().recip();
+        let exists = inverse.is_finite() & inverse.gt(0.0);
+        Self::select(exists, self * F::select(exists, inverse, inverse.splat(1.0)), other)
+    }
+    /// The magnitude of each component.
+    #[inline(always)]
+    pub fn abs(self) -> Self {
+        Self::new(self.x.abs(), self.y.abs(), self.z.abs())
+    }
     /// `self` times one number for all lanes.
     #[inline(always)]
     pub fn scale(self, s: f32) -> Self {

@@ -6,8 +6,9 @@ use crate::accel::{Accel, Brute};
 use crate::error::{Error, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
-use crate::integrator::{Integrator, Splitting, View, Whitted};
-use crate::render::tiles::{self, Plan};
+use crate::integrator::{Path, Splitting, View, Whitted};
+use crate::math::lanes::{Level, Scalar};
+use crate::render::tiles::{self, Engine, InBatches, OneByOne, Plan};
 use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
 use crate::sampling::SamplerKind;
 use crate::scene::{Scene, description};
@@ -35,6 +36,7 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
         sampler: sampler(&scene.render),
         #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
         seed: (seed ^ (seed >> 32)) as u32,
+        moves: scene.is_moving(),
         progress,
     };
     let (mut rendered, build) = match scene.render.backend {
@@ -91,7 +93,18 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };
     let tree = Whitted { max_depth, min_throughput, splitting };
     match settings.integrator {
-        description::Integrator::Whitted | description::Integrator::Distribution => timed(plan, accel, &tree),
+        description::Integrator::Whitted | description::Integrator::Distribution => {
+            timed(plan, accel, &OneByOne(&tree))
+        }
+        description::Integrator::Path => {
+            let level = match settings.query {
+                description::Query::Single => Level::Scalar(Scalar),
+                description::Query::Stream => Level::from_env().unwrap_or_else(|_| Level::best()),
+            };
+            let size = if level.width() == 1 { 1 } else { BATCH };
+            let path = Path::new(plan.scene, max_depth, (plan.sampler, plan.seed), level);
+            timed(plan, accel, &InBatches { path: &path, size })
+        }
         description::Integrator::View => {
             let view = match settings.view {
                 description::View::Normals => View::Normals,
@@ -101,13 +114,13 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
                 description::View::Material => View::Material,
                 description::View::Cost => View::Cost(tree),
             };
-            timed(plan, accel, &view)
+            timed(plan, accel, &OneByOne(&view))
         }
     }
 }
 
-fn timed<A: Accel, I: Integrator>(plan: &Plan<'_>, accel: &A, integrator: &I) -> Result<Rendered> {
-    let (traced, render) = Phase::of(|| tiles::trace(plan, accel, integrator));
+fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Rendered> {
+    let (traced, render) = Phase::of(|| tiles::trace(plan, accel, engine));
     let (film, counters) = traced?;
     let samples = film.samples();
     let hierarchy_bytes = accel.bytes();
@@ -116,6 +129,9 @@ fn timed<A: Accel, I: Integrator>(plan: &Plan<'_>, accel: &A, integrator: &I) ->
         statistics: Statistics { counters, samples, render, hierarchy_bytes, ..Statistics::default() },
     })
 }
+
+/// Camera samples that are followed side by side: flat from 1000 to 4000.
+const BATCH: usize = 2048;
 
 fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
     let [width, height] = [scene.film.width, scene.film.height];

@@ -3,11 +3,12 @@
 use crate::accel::Accel;
 use crate::error::{Error, Result};
 use crate::film::{Film, Filter, FilterSample, Layout, SampleId, Tile};
+use crate::geometry::Ray;
 use crate::image::Window;
-use crate::integrator::{Counters, Integrator, Worker};
+use crate::integrator::{Counters, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::Progress;
 use crate::render::eye::Eye;
-use crate::sampling::{Dim, Sampler, SamplerKind, Vertex};
+use crate::sampling::{AnySampler, Dim, Sampler, SamplerKind, Vertex};
 use crate::scene::Scene;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -24,69 +25,172 @@ pub(super) struct Plan<'a> {
     pub(super) filter: Filter,
     pub(super) sampler: SamplerKind,
     pub(super) seed: u32,
+    /// Whether anything moves.
+    pub(super) moves: bool,
     pub(super) progress: &'a dyn Progress,
 }
 
 /// All samples of the window, on the threads of the current pool.
-pub(super) fn trace<A: Accel, I: Integrator>(
-    plan: &Plan<'_>,
-    accel: &A,
-    integrator: &I,
-) -> Result<(Film, Counters)> {
+pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<(Film, Counters)> {
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
     let eye = Eye::new(scene, accel);
     let sums = Mutex::new((Film::new(full, plan.window, Layout::default()), Counters::default()));
     let total = plan.window.area() as u64 * u64::from(scene.render.spp);
     let done = AtomicU64::new(0);
-    tiles(plan.window).into_par_iter().try_for_each(|window| -> Result<()> {
-        let advance = |samples| {
-            plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
-        };
-        let (tile, counters) = plan.tile(window, &eye, integrator, &advance)?;
+    let advance = |samples| {
+        plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
+    };
+    tiles(plan.window).into_par_iter().try_for_each_init(E::Memory::default, |memory, window| {
+        let mut work =
+            Work { plan, eye: &eye, tile: Tile::new(window, Layout::default()), advance: &advance };
+        let counters = engine.tile(&mut work, memory)?;
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
-        sums.0.add(&tile);
+        sums.0.add(&work.tile);
         sums.1 += counters;
-        Ok(())
+        Ok::<(), Error>(())
     })?;
     Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
-impl Plan<'_> {
-    /// All samples of a tile; `advance` is told their number row by row, and each pixel asks whether to stop: at many
-    /// samples a tile takes minutes.
-    fn tile<A: Accel, I: Integrator>(
-        &self,
-        window: Window,
-        eye: &Eye<'_, A>,
-        integrator: &I,
-        advance: &dyn Fn(u64),
-    ) -> Result<(Tile, Counters)> {
-        let mut tile = Tile::new(window, Layout::default());
+/// How the samples of a tile are taken.
+pub(super) trait Engine: Sync {
+    /// What a thread keeps from tile to tile.
+    type Memory: Default;
+
+    /// Takes all samples of a tile, those of each pixel in the order of their indices. Asks often whether to stop.
+    fn tile<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Self::Memory) -> Result<Counters>;
+}
+
+/// A tile to be done.
+pub(super) struct Work<'a, A> {
+    plan: &'a Plan<'a>,
+    eye: &'a Eye<'a, A>,
+    tile: Tile,
+    /// Is told how many samples have been taken.
+    advance: &'a dyn Fn(u64),
+}
+
+/// A ray from the camera, and what its light counts.
+struct CameraSample {
+    weight: f32,
+    ray: Ray,
+}
+
+impl<A> Work<'_, A> {
+    /// All samples, pixel by pixel in the order of their indices.
+    fn samples(&self) -> impl Iterator<Item = SampleId> + use<A> {
+        let (window, spp) = (self.tile.window(), self.plan.scene.render.spp);
+        let rows = window.y0..window.y1;
+        rows.flat_map(move |y| {
+            (window.x0..window.x1).flat_map(move |x| (0..spp).map(move |index| SampleId { x, y, index }))
+        })
+    }
+
+    fn start(&self, SampleId { x, y, index }: SampleId) -> AnySampler<u32> {
+        self.plan.sampler.start(self.plan.seed, [x, y], index)
+    }
+
+    fn camera_sample(&self, id: SampleId, sampler: &AnySampler<u32>) -> CameraSample {
+        let scene = self.plan.scene;
+        let camera = &scene.camera;
+        let FilterSample { offset, weight } =
+            self.plan.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
+        let time = if self.plan.moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { 0.0 };
+        let lens = if camera.has_lens() { sampler.get_2d(Dim::Lens, Vertex::ROOT) } else { [0.5; 2] };
+        let ray = camera.ray([center(id.x) + offset[0], center(id.y) + offset[1]], lens, time);
+        CameraSample { weight, ray }
+    }
+
+    fn add(&mut self, id: SampleId, weight: f32, Radiance { color, alpha }: Radiance) {
+        self.tile.add(id, weight, &[color.r, color.g, color.b, alpha]);
+    }
+
+    /// Tells of samples taken; fails if somebody wants to stop.
+    fn report(&self, samples: u64) -> Result<()> {
+        (self.advance)(samples);
+        if self.plan.progress.is_cancelled() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// One sample after the other.
+pub(super) struct OneByOne<'a, I>(pub(super) &'a I);
+
+impl<I: Integrator> Engine for OneByOne<'_, I> {
+    type Memory = ();
+
+    fn tile<A: Accel>(&self, work: &mut Work<'_, A>, _memory: &mut ()) -> Result<Counters> {
         let mut worker = Worker::default();
-        let camera = &self.scene.camera;
-        let moves = self.scene.is_moving();
-        let has_lens = camera.has_lens();
-        for y in window.y0..window.y1 {
-            for x in window.x0..window.x1 {
-                if self.progress.is_cancelled() {
-                    return Err(Error::Interrupted);
-                }
-                for index in 0..self.scene.render.spp {
-                    let sampler = self.sampler.start(self.seed, [x, y], index);
-                    let FilterSample { offset, weight } =
-                        self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
-                    let time = if moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { 0.0 };
-                    let lens = if has_lens { sampler.get_2d(Dim::Lens, Vertex::ROOT) } else { [0.5; 2] };
-                    let ray = camera.ray([center(x) + offset[0], center(y) + offset[1]], lens, time);
-                    let found = integrator.li(&eye.stage(time), &ray, &sampler, &mut worker);
-                    let color = found.color;
-                    tile.add(SampleId { x, y, index }, weight, &[color.r, color.g, color.b, found.alpha]);
-                }
+        let spp = work.plan.scene.render.spp;
+        for id in work.samples() {
+            let sampler = work.start(id);
+            let CameraSample { weight, ray } = work.camera_sample(id, &sampler);
+            let found = self.0.li(&work.eye.stage(ray.time), &ray, &sampler, &mut worker);
+            work.add(id, weight, found);
+            if id.index + 1 == spp {
+                work.report(u64::from(spp))?;
             }
-            advance(u64::from(window.width()) * u64::from(self.scene.render.spp));
         }
-        Ok((tile, worker.counters))
+        Ok(worker.counters)
+    }
+}
+
+/// Batches of paths side by side.
+pub(super) struct InBatches<'a> {
+    pub(super) path: &'a Path,
+    /// Samples of a batch.
+    pub(super) size: usize,
+}
+
+/// A batch and what its samples count.
+#[derive(Default)]
+pub(super) struct Batch {
+    wave: Wave,
+    weights: Vec<(SampleId, f32)>,
+}
+
+impl Engine for InBatches<'_> {
+    type Memory = Batch;
+
+    fn tile<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch) -> Result<Counters> {
+        let mut counters = Counters::default();
+        batch.clear(self.size);
+        for id in work.samples() {
+            let sampler = work.start(id);
+            let CameraSample { weight, ray } = work.camera_sample(id, &sampler);
+            let media = work.eye.stage(ray.time).eye_media;
+            batch.wave.push([id.x, id.y], id.index, &ray, media);
+            batch.weights.push((id, weight));
+            if batch.wave.len() == self.size {
+                self.finish(work, batch, &mut counters)?;
+            }
+        }
+        self.finish(work, batch, &mut counters)?;
+        Ok(counters)
+    }
+}
+
+impl InBatches<'_> {
+    fn finish<A: Accel>(
+        &self,
+        work: &mut Work<'_, A>,
+        batch: &mut Batch,
+        counters: &mut Counters,
+    ) -> Result<()> {
+        self.path.follow(&work.eye.stage(0.0), &mut batch.wave, counters);
+        for (i, &(id, weight)) in batch.weights.iter().enumerate() {
+            work.add(id, weight, batch.wave.radiance(i));
+        }
+        work.report(batch.wave.len() as u64)?;
+        batch.clear(self.size);
+        Ok(())
+    }
+}
+
+impl Batch {
+    fn clear(&mut self, size: usize) {
+        self.wave.clear(size);
+        self.weights.clear();
     }
 }
 

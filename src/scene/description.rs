@@ -222,6 +222,8 @@ record! {
     pub struct Render {
         /// What is computed.
         integrator: Integrator = Integrator::Whitted;
+        /// How the integrator `path` asks for hits: `stream` traces many paths side by side, `single` one after the other.
+        query: Query = Query::Stream;
         /// What the integrator `view` shows.
         view: View = View::ShadingNormals;
         /// Samples per pixel.
@@ -270,8 +272,20 @@ choice! {
         "whitted" => Whitted,
         /// The same tree with several shadow rays and glossy rays at the first hit.
         "distribution" => Distribution,
+        /// Paths that choose one way on at every surface: all light, diffuse light between surfaces included.
+        "path" => Path,
         /// A property of the first surface, for looking at a scene.
         "view" => View,
+    }
+}
+
+choice! {
+    /// How rays are traced.
+    pub enum Query {
+        /// One ray at a time, paths one after the other.
+        "single" => Single,
+        /// Many paths side by side.
+        "stream" => Stream,
     }
 }
 
@@ -280,7 +294,7 @@ impl Integrator {
     const fn default_samples(self) -> u32 {
         match self {
             Self::Distribution => 4,
-            Self::Whitted | Self::View => 1,
+            Self::Whitted | Self::Path | Self::View => 1,
         }
     }
 }

@@ -4,6 +4,7 @@ use crate::camera::Camera;
 use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
+use crate::math::Rgb;
 use crate::scene::description::{Film, GlassShadows, Render};
 use std::sync::Arc;
 
@@ -46,10 +47,50 @@ impl Scene {
         (id, &self.materials[id.index()])
     }
 
+    /// What a primitive is made of.
+    #[must_use]
+    pub fn material_of(&self, placement: PlacementId, prim: u32) -> MaterialId {
+        let materials = &self.surfaces[placement.index()].materials;
+        // Most shapes are of one material: those need not be looked at.
+        if let [only] = materials[..] {
+            only
+        } else {
+            materials[usize::from(self.world.shape_of(placement).group(prim))]
+        }
+    }
+
     /// The light that a placement is.
     #[must_use]
     pub fn light_of(&self, placement: PlacementId) -> Option<&Light> {
-        self.surfaces[placement.index()].light.map(|id| &self.lights[id.index()])
+        self.light_id_of(placement).map(|id| &self.lights[id.index()])
+    }
+
+    /// Which light a placement is.
+    #[must_use]
+    pub fn light_id_of(&self, placement: PlacementId) -> Option<LightId> {
+        self.surfaces[placement.index()].light
+    }
+
+    /// Beer's law: what is left of light after `length` metres of a medium.
+    #[must_use]
+    pub fn absorbed(&self, medium: Option<MaterialId>, length: f32) -> Rgb<f32> {
+        let Some(medium) = medium.and_then(|id| self.materials[id.index()].medium()) else {
+            return Rgb::WHITE;
+        };
+        let pass = |sigma: f32| if sigma > 0.0 { (-sigma * length).exp() } else { 1.0 };
+        let Rgb { r, g, b } = medium.absorption;
+        Rgb::new(pass(r), pass(g), pass(b))
+    }
+
+    /// The environment with its number among the lights, if there is one.
+    #[must_use]
+    pub fn environment_light(&self) -> Option<(LightId, &Environment)> {
+        let id = self.environment?;
+        if let Light::Environment(environment) = &self.lights[id.index()] {
+            Some((id, environment))
+        } else {
+            None
+        }
     }
 
     /// The environment, if there is one.

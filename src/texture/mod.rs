@@ -1,6 +1,7 @@
 //! Values over a surface.
 
 use crate::math::Rgb;
+use crate::math::lanes::{Lanes, Select};
 use glam::Vec2;
 
 /// A colour that may change over a surface.
@@ -19,14 +20,15 @@ pub enum Texture {
 
 impl Texture {
     /// The colour at surface parameters.
-    #[must_use]
-    pub fn at(&self, uv: Vec2) -> Rgb<f32> {
+    #[inline(always)]
+    pub fn at<F: Lanes>(&self, [u, v]: [F; 2]) -> Rgb<F> {
         match self {
-            Self::Constant(color) => *color,
+            Self::Constant(color) => Rgb::splat(u, *color),
             Self::Checker { colors, repeat } => {
-                let field = (uv * repeat).floor();
-                let odd = (field.x + field.y).rem_euclid(2.0) >= 1.0;
-                colors[usize::from(odd)]
+                let field = (u * repeat.x).floor() + (v * repeat.y).floor();
+                let odd = (field - (field * 0.5).floor() * 2.0).ge(1.0);
+                let [even, other] = colors.map(|color| Rgb::splat(u, color));
+                Rgb::select(odd, other, even)
             }
         }
     }
@@ -39,9 +41,9 @@ mod tests {
     #[test]
     fn fields_alternate_on_both_sides_of_zero() {
         let checker = Texture::Checker { colors: [Rgb::BLACK, Rgb::WHITE], repeat: Vec2::new(4.0, 2.0) };
-        assert_eq!(checker.at(Vec2::new(0.1, 0.1)), Rgb::BLACK, "origin");
-        assert_eq!(checker.at(Vec2::new(0.3, 0.1)), Rgb::WHITE, "next");
-        assert_eq!(checker.at(Vec2::new(0.3, 0.6)), Rgb::BLACK, "diagonal");
-        assert_eq!(checker.at(Vec2::new(-0.1, 0.1)), Rgb::WHITE, "negative");
+        assert_eq!(checker.at([0.1, 0.1_f32]), Rgb::BLACK, "origin");
+        assert_eq!(checker.at([0.3, 0.1_f32]), Rgb::WHITE, "next");
+        assert_eq!(checker.at([0.3, 0.6_f32]), Rgb::BLACK, "diagonal");
+        assert_eq!(checker.at([-0.1, 0.1_f32]), Rgb::WHITE, "negative");
     }
 }

@@ -1,0 +1,136 @@
+//! Points of surfaces over lanes: the resolved point of [`crate::geometry::Interaction`] for several rays at once.
+
+use crate::geometry::Mesh;
+use crate::math::Vec3;
+use crate::math::float::{UNIT_ROUNDOFF, gamma};
+use crate::math::lanes::{IntLanes, Isa, Lanes, Select, Wrapping};
+
+/// Roundings that an intersection test spends on a point near its own triangle; `tests/spawn.rs` counts the rays that a
+/// smaller number lets hit what they leave.
+const TRIANGLE_ROUNDINGS: f32 = 4.0;
+
+/// Points of surfaces; see [`crate::geometry::SurfacePoint`] for the fields.
+#[derive(Clone, Copy, Debug)]
+#[expect(missing_docs, reason = "the fields are those of `SurfacePoint`")]
+pub struct Points<F> {
+    pub p: Vec3<F>,
+    pub p_error: Vec3<F>,
+    pub ng: Vec3<F>,
+    pub ns: Vec3<F>,
+    pub uv: [F; 2],
+}
+
+impl<F: Lanes> Select for Points<F> {
+    type Mask = F::Mask;
+    #[inline(always)]
+    fn select(mask: F::Mask, yes: Self, no: Self) -> Self {
+        Self {
+            p: Vec3::select(mask, yes.p, no.p),
+            p_error: Vec3::select(mask, yes.p_error, no.p_error),
+            ng: Vec3::select(mask, yes.ng, no.ng),
+            ns: Vec3::select(mask, yes.ns, no.ns),
+            uv: [F::select(mask, yes.uv[0], no.uv[0]), F::select(mask, yes.uv[1], no.uv[1])],
+        }
+    }
+}
+
+/// What is known of the triangles that were hit.
+pub(super) struct Corners<F> {
+    pub(super) positions: [Vec3<F>; 3],
+    pub(super) normals: Option<[Vec3<F>; 3]>,
+    pub(super) uvs: Option<[[F; 2]; 3]>,
+    /// Whether corners are interpolated between keys.
+    pub(super) moving: bool,
+}
+
+impl<F: Lanes> Corners<F> {
+    /// The points with these barycentric parameters; `ng` is the hit's normal, for triangles without area.
+    #[inline(always)]
+    pub(super) fn at(&self, [u, v]: [F; 2], ng: Vec3<F>) -> Points<F> {
+        let [a, b, c] = self.positions;
+        let w = -u - v + 1.0;
+        let p = a * w + b * u + c * v;
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let up = Vec3::new(u.splat(0.0), u.splat(0.0), u.splat(1.0));
+        let ng = cross.normalize_or(ng.normalize_or(up));
+        // The plane of a needle is known less well than that of a fat triangle: by the ratio of edges to area.
+        let (l1, l2) = (e1.length(), e2.length());
+        let slenderness = (l1 * l2 / cross.length().max(f32::MIN_POSITIVE)).min(1e3);
+        let traversal = (slenderness + 1.0) * l1.max(l2) * (TRIANGLE_ROUNDINGS * UNIT_ROUNDOFF);
+        // Corners on their way are off by the rounding of their interpolation.
+        let roundings = if self.moving { gamma(11) } else { gamma(7) };
+        let p_error = (a.abs() * w.abs() + b.abs() * u + c.abs() * v).scale(roundings);
+        let p_error = p_error + Vec3::new(traversal, traversal, traversal);
+        let ns = match self.normals {
+            Some([na, nb, nc]) => (na * w + nb * u + nc * v).normalize_or(ng),
+            None => ng,
+        };
+        // Vertex normals are more often right than the winding.
+        let ng = Vec3::select(ns.dot(ng).lt(0.0), -ng, ng);
+        let uv = match self.uvs {
+            Some([ta, tb, tc]) => [ta[0] * w + tb[0] * u + tc[0] * v, ta[1] * w + tb[1] * u + tc[1] * v],
+            None => [u, v],
+        };
+        Points { p, p_error, ng, ns, uv }
+    }
+}
+
+impl Mesh {
+    /// Whether [`Mesh::points`] can be asked: vertices stay, and their numbers are not too many for gathers.
+    #[must_use]
+    pub fn has_points(&self) -> bool {
+        let most = i32::MAX.unsigned_abs() as usize / 3;
+        self.key_count() == 1 && self.positions().len() < most && self.triangles().len() < most
+    }
+
+    /// The points on `triangles` with these barycentric parameters; `ng` are the hits' normals.
+    #[inline(always)]
+    pub fn points<F: Lanes>(&self, triangles: F::Int, uv: [F; 2], ng: Vec3<F>) -> Points<F> {
+        let first = Wrapping::<u32>::wrapping_mul(triangles, 3);
+        let indices = self.triangles().as_flattened();
+        let corners = [entry(indices, first, 0), entry(indices, first, 1), entry(indices, first, 2)];
+        let normals = match self.normals() {
+            Some(normals) => Some(vectors(bytemuck::cast_slice(normals), corners)),
+            None => None,
+        };
+        let uvs = match self.uvs() {
+            Some(uvs) => Some(pairs(bytemuck::cast_slice(uvs), corners)),
+            None => None,
+        };
+        let positions = vectors(bytemuck::cast_slice(self.positions()), corners);
+        Corners { positions, normals, uvs, moving: false }.at(uv, ng)
+    }
+}
+
+/// Number `k` from `first` on.
+#[inline(always)]
+fn entry<I: IntLanes>(table: &[u32], first: I, k: u32) -> I {
+    first.isa().gather_u32(table, Wrapping::<u32>::wrapping_add(first, k))
+}
+
+#[inline(always)]
+fn number<I: IntLanes>(table: &[f32], first: I, k: u32) -> I::F {
+    first.isa().gather(table, Wrapping::<u32>::wrapping_add(first, k))
+}
+
+#[inline(always)]
+fn vectors<I: IntLanes>(table: &[f32], [a, b, c]: [I; 3]) -> [Vec3<I::F>; 3] {
+    [vector(table, a), vector(table, b), vector(table, c)]
+}
+
+#[inline(always)]
+fn vector<I: IntLanes>(table: &[f32], i: I) -> Vec3<I::F> {
+    let first = Wrapping::<u32>::wrapping_mul(i, 3);
+    Vec3::new(number(table, first, 0), number(table, first, 1), number(table, first, 2))
+}
+
+#[inline(always)]
+fn pairs<I: IntLanes>(table: &[f32], [a, b, c]: [I; 3]) -> [[I::F; 2]; 3] {
+    let [a, b, c] = [a << 1, b << 1, c << 1];
+    [
+        [number(table, a, 0), number(table, a, 1)],
+        [number(table, b, 0), number(table, b, 1)],
+        [number(table, c, 0), number(table, c, 1)],
+    ]
+}

@@ -1,0 +1,95 @@
+//! What the rays of a chunk have met, over lanes.
+
+use crate::accel::Packet;
+use crate::geometry::{Hit, PlacementId, Points, Pose, Shape};
+use crate::math::Vec3;
+use crate::math::lanes::{Compare, Isa, MaskLanes, Select};
+use crate::scene::Scene;
+
+/// The widest lanes.
+pub(super) const WIDEST: usize = 16;
+
+/// Surfaces that were met.
+pub(super) struct Met<S: Isa> {
+    /// The lanes that met one.
+    pub(super) hit: S::M,
+    pub(super) points: Points<S::F>,
+    /// The material of each lane; unspecified where nothing was met.
+    pub(super) materials: [u32; WIDEST],
+    pub(super) placements: [u32; WIDEST],
+}
+
+/// The hit of a lane.
+#[inline]
+pub(super) fn hit_of<const N: usize>(packet: &Packet<N>, lane: usize) -> Option<Hit> {
+    packet.get_hit(lane)
+}
+
+impl<S: Isa> Met<S> {
+    /// What the lanes of `packet` that are set in `active` have met.
+    #[inline(always)]
+    pub(super) fn of<const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, active: S::M) -> Self {
+        let hit = &packet.hit;
+        let (u, v) = (isa.load(&hit.u), isa.load(&hit.v));
+        let prims = isa.load_u32(&hit.prim);
+        let ng = Vec3::new(isa.load(&hit.ng_x), isa.load(&hit.ng_y), isa.load(&hit.ng_z));
+        let mut placements = [u32::MAX; WIDEST];
+        let mut materials = [0; WIDEST];
+        let mut bits = 0;
+        for lane in 0..N {
+            if let Some(PlacementId(placement)) = hit.placement(lane) {
+                placements[lane] = placement;
+                materials[lane] = scene.material_of(PlacementId(placement), hit.prim[lane]).0;
+                bits |= 1 << lane;
+            }
+        }
+        bits &= active.bits();
+        let met = Compare::<u32>::ne(isa.load_u32(&placements), u32::MAX) & active;
+        let zero = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(0.0));
+        let up = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(1.0));
+        let mut points = Points { p: zero, p_error: zero, ng: up, ns: up, uv: [u, v] };
+        while bits != 0 {
+            let first = bits.trailing_zeros() as usize;
+            let same = Compare::<u32>::eq(isa.load_u32(&placements), placements[first]) & met;
+            let placement = &scene.world.placements[placements[first] as usize];
+            let shape = &scene.world.shapes[placement.shape.index()];
+            let found = match (shape, &placement.pose) {
+                (Shape::Mesh(mesh), Pose::World) if mesh.has_points() => mesh.points(prims, [u, v], ng),
+                _ => one_by_one(isa, scene, packet, same.bits() & bits),
+            };
+            points = Points::select(same, found, points);
+            bits &= !same.bits();
+        }
+        Self { hit: met, points, materials, placements }
+    }
+}
+
+/// The points of the lanes in `bits`, each by itself.
+#[inline(always)]
+fn one_by_one<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, bits: u32) -> Points<S::F> {
+    let rows = rows_of(scene, packet, bits);
+    let vector = Vec3::new;
+    Points {
+        p: vector(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2])),
+        p_error: vector(isa.load(&rows[3]), isa.load(&rows[4]), isa.load(&rows[5])),
+        ng: vector(isa.load(&rows[6]), isa.load(&rows[7]), isa.load(&rows[8])),
+        ns: vector(isa.load(&rows[9]), isa.load(&rows[10]), isa.load(&rows[11])),
+        uv: [isa.load(&rows[12]), isa.load(&rows[13])],
+    }
+}
+
+/// Out of line: scalar work, the same for all instruction sets.
+#[inline(never)]
+fn rows_of<const N: usize>(scene: &Scene, packet: &Packet<N>, mut bits: u32) -> [[f32; WIDEST]; 14] {
+    let mut rows = [[0.0; WIDEST]; 14];
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let Some(hit) = hit_of(packet, lane) else { continue };
+        let it = scene.world.interaction(&packet.ray.get(lane), &hit);
+        let values = [it.p, it.p_error, it.ng, it.ns].map(|v| v.to_array());
+        let values = values.into_iter().flatten().chain(it.uv.to_array());
+        rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = value);
+    }
+    rows
+}

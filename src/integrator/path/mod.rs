@@ -1,0 +1,187 @@
+//! Paths: at every surface one way on is chosen and one light is asked.
+//!
+//! Kajiya 1986 (The Rendering Equation), with next-event estimation and multiple importance sampling (Veach 1997, Robust Monte
+//! Carlo Methods, chapters 9 and 10). Paths are followed side by side in batches: all are traced, then all are shaded by one
+//! pass over lanes that packs those that go on and queues rays towards lights, which are traced at the end of the pass (a
+//! wavefront: Laine, Karras and Aila 2013, Megakernels Considered Harmful). A batch of one path over one lane is the plain
+//! path tracer, from the same source.
+//!
+//! ```text
+//! for each edge of the paths:
+//!     for each chunk: trace it, shade it, pack those that go on
+//!     trace the rays towards lights, add what arrives
+//! ```
+//!
+//! Light that reaches matt surfaces through glass is found by paths that meet the light by chance: rays towards lights end at
+//! glass.
+
+mod lights;
+mod met;
+mod vertex;
+mod wave;
+
+pub use wave::Wave;
+
+use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
+use crate::integrator::{Counters, Stage};
+use crate::material::{Crossing, Media};
+use crate::math::Rgb;
+use crate::math::lanes::{Isa, Level, Scalar};
+use crate::sampling::{SamplerKind, Vertex};
+use crate::scene::Scene;
+use lights::Lights;
+use vertex::{Chunk, Surroundings};
+
+/// A path tracer for a scene.
+#[derive(Debug)]
+pub struct Path {
+    lights: Lights,
+    max_depth: u32,
+    sampler: SamplerKind,
+    seed: u32,
+    level: Level,
+}
+
+/// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
+const MOST_HIDDEN: u32 = 256;
+
+impl Path {
+    /// Paths of at most `max_depth` edges, 1 being emission seen directly.
+    #[must_use]
+    pub fn new(scene: &Scene, max_depth: u32, (sampler, seed): (SamplerKind, u32), level: Level) -> Self {
+        Self { lights: Lights::of(scene), max_depth, sampler, seed, level }
+    }
+
+    /// Follows all samples of a batch to their ends.
+    pub fn follow<A: Accel>(&self, stage: &Stage<'_, A>, wave: &mut Wave, counters: &mut Counters) {
+        let around = Surroundings {
+            scene: stage.scene,
+            lights: &self.lights,
+            sampler: self.sampler,
+            seed: self.seed,
+            max_depth: self.max_depth,
+            media: stage.scene.has_media(),
+            turns: stage.turns(),
+        };
+        match self.level {
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx512(isa) => follow::<_, _, 16>(isa, &around, stage, wave, counters),
+            #[cfg(target_arch = "x86_64")]
+            Level::Avx2(isa) => follow::<_, _, 8>(isa, &around, stage, wave, counters),
+            Level::Portable(_) | Level::Scalar(_) => {
+                follow::<_, _, 1>(Scalar, &around, stage, wave, counters);
+            }
+        }
+    }
+}
+
+fn follow<A: Accel, S: Isa, const N: usize>(
+    isa: S,
+    around: &Surroundings<'_>,
+    stage: &Stage<'_, A>,
+    wave: &mut Wave,
+    counters: &mut Counters,
+) {
+    const { assert!(N == S::WIDTH, "a packet for each chunk of lanes") };
+    counters.camera += wave.paths.rays.len as u64;
+    let mut vertex = Vertex::ROOT;
+    let mut coherence = Coherence::Coherent;
+    let mut packet = Packet::<N>::EMPTY;
+    for depth in 1..=around.max_depth {
+        wave.shadows.rays.len = 0;
+        wave.shadows.absorbed = 0;
+        let (len, mut to) = (wave.paths.rays.len, 0);
+        for at in (0..len).step_by(N) {
+            let count = (len - at).min(N);
+            let active = Active::first(count);
+            wave.paths.packet(at, &mut packet);
+            stage.accel.intersect_packet(&active, &mut packet, coherence);
+            let mut beyond = [(Media::default(), 1.0); N];
+            if around.media {
+                arrive(stage, wave, (at, count), (&mut packet, &mut beyond), counters);
+            }
+            let (packet, beyond) = (&packet, &beyond);
+            let chunk = Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond };
+            to += shade(isa, chunk);
+        }
+        wave.paths.rays.len = to;
+        light_up::<A, N>(stage, wave);
+        if to == 0 {
+            break;
+        }
+        vertex = vertex.child(0);
+        coherence = Coherence::Incoherent;
+    }
+}
+
+/// Out of line, for it is the same for all backends.
+#[inline(never)]
+fn shade<S: Isa, const N: usize>(isa: S, chunk: Chunk<'_, N>) -> usize {
+    isa.run(chunk)
+}
+
+/// Traces the rays towards lights, and adds what arrives.
+fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave) {
+    let Wave { shadows, slots, .. } = wave;
+    let mut packet = RayPacket::<N>::EMPTY;
+    for at in (0..shadows.rays.len).step_by(N) {
+        let count = (shadows.rays.len - at).min(N);
+        shadows.packet(at, &mut packet);
+        stage.accel.occluded_packet(&Active::first(count), &mut packet, Coherence::Incoherent);
+        for (lane, end) in packet.t_max.iter().enumerate().take(count) {
+            if *end >= 0.0 {
+                let [r, g, b] = shadows.light.get(at + lane);
+                slots.sum[shadows.rays.slot.all()[at + lane] as usize] += Rgb::new(r, g, b);
+            }
+        }
+    }
+}
+
+/// What media make of the hits of a chunk: what the way absorbs goes into the paths' weights, surfaces that overlapping
+/// media hide are passed, and what lies behind the others is noted, with its index over that before it.
+fn arrive<A: Accel, const N: usize>(
+    stage: &Stage<'_, A>,
+    wave: &mut Wave,
+    (at, count): (usize, usize),
+    (packet, beyond): (&mut Packet<N>, &mut [(Media, f32); N]),
+    counters: &mut Counters,
+) {
+    for lane in 0..count {
+        let slot = wave.paths.rays.slot.all()[at + lane] as usize;
+        let mut ray = packet.ray.get(lane).until(f32::INFINITY);
+        let mut start = ray.o;
+        for _ in 0..MOST_HIDDEN {
+            let media = wave.slots.media[slot];
+            beyond[lane] = (media, 1.0);
+            let Some(hit) = packet.get_hit(lane) else {
+                wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), f32::INFINITY));
+                break;
+            };
+            let it = stage.scene.world.interaction(&ray, &hit);
+            let length = it.p.distance(start);
+            wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), length));
+            let (id, material) = stage.scene.material(&it);
+            let Some(medium) = material.medium() else { break };
+            let past = match media.cross(id, medium, it.is_front()) {
+                #[expect(
+                    clippy::float_cmp,
+                    reason = "between equal media nothing is seen and no direction may change"
+                )]
+                Crossing::Interface { eta, beyond: past } if eta != 1.0 || !material.is_interface() => {
+                    beyond[lane] = (past, eta);
+                    break;
+                }
+                Crossing::Interface { beyond: past, .. } | Crossing::Hidden { beyond: past } => past,
+            };
+            wave.slots.media[slot] = past;
+            // Rays towards lights end here, so that nothing is left to share.
+            wave.paths.forget_density(at + lane);
+            ray = it.spawn(ray.d);
+            start = it.p;
+            counters.hidden += 1;
+            packet.ray.set(lane, &ray);
+            let next = stage.accel.intersect(&ray);
+            packet.set_hit(lane, next.as_ref());
+        }
+    }
+}

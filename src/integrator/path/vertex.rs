@@ -1,0 +1,504 @@
+//! What happens where the paths of a chunk meet surfaces: one pass over all lanes.
+
+use super::lights::Lights;
+use super::met::{Met, WIDEST, hit_of};
+use super::wave::{Paths, Shadows, Slots, Wave};
+use crate::accel::Packet;
+use crate::bsdf::choice::{Answer, Question, Step, answer};
+use crate::bsdf::{Lobe, Mix, with_lobe};
+use crate::geometry::{PlacementId, spawn};
+use crate::integrator::shading::Shading;
+use crate::integrator::{Counters, Stage};
+use crate::light::{Emitter, Light, LightId, LightSample, Reference};
+use crate::material::{Material, Media};
+use crate::math::lanes::{Compare, Isa, Kernel, Lanes, MaskLanes, Select};
+use crate::math::{Rgb, Vec3};
+use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
+use crate::scene::Scene;
+
+/// What is the same for all vertices of a rendering.
+#[derive(Debug)]
+pub(super) struct Surroundings<'a> {
+    pub(super) scene: &'a Scene,
+    pub(super) lights: &'a Lights,
+    pub(super) sampler: SamplerKind,
+    pub(super) seed: u32,
+    pub(super) max_depth: u32,
+    /// Whether any surface bounds a medium.
+    pub(super) media: bool,
+    /// Whether any surface is not the same in all directions.
+    pub(super) turns: bool,
+}
+
+/// One chunk of paths at the ends of their rays.
+pub(super) struct Chunk<'a, const N: usize> {
+    pub(super) around: &'a Surroundings<'a>,
+    pub(super) wave: &'a mut Wave,
+    pub(super) counters: &'a mut Counters,
+    /// The rays with their hits.
+    pub(super) packet: &'a Packet<N>,
+    /// Where the chunk begins, and how many paths it has.
+    pub(super) at: usize,
+    pub(super) count: usize,
+    /// Where those that go on are packed to.
+    pub(super) to: usize,
+    pub(super) depth: u32,
+    pub(super) vertex: Vertex,
+    /// What lies behind the surface of each lane, and its index over that before it; where there are media.
+    pub(super) beyond: &'a [(Media, f32); N],
+}
+
+impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
+    /// How many go on.
+    type Output = usize;
+
+    #[inline(always)]
+    fn run(self, isa: S) -> usize {
+        let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
+        let Wave { paths, shadows, slots } = wave;
+        let lanes = State::load(isa, paths, at);
+        let met = Met::of(isa, around.scene, packet, isa.first(count));
+        escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
+        if met.hit.none() {
+            return 0;
+        }
+        shine(isa, around, slots, (&lanes, &met), packet);
+        if depth >= around.max_depth {
+            return 0;
+        }
+        let wo = -lanes.d;
+        let normals = [met.points.ng, met.points.ns];
+        let tangent = if around.turns { Some(tangents(isa, around.scene, packet, &met)) } else { None };
+        let shading = Shading::seen(wo, normals, tangent);
+        let pixel = [slots.pixel_of(isa, 0, lanes.slot), slots.pixel_of(isa, 1, lanes.slot)];
+        let index = isa.gather_u32(slots.index.all(), lanes.slot);
+        let sampler = around.sampler.start(around.seed, pixel, index);
+        let light = asked(isa, around, (&met, &shading), (&sampler, vertex));
+        let question = Question {
+            wo: shading.wo,
+            light: shading.frame.to_local(light.wi),
+            light_pdf: light.shared_pdf,
+            choice: sampler.get_1d(Dim::LobeChoice, vertex),
+            direction: sampler.get_2d(Dim::LobeDirection, vertex),
+        };
+        let found = scatter(isa, around.scene, &met, beyond, &question);
+        send_shadows(isa, shadows, (&lanes, &met, &shading), (&light, &question), found.lit, counters);
+        if around.media {
+            absorb_shadows(around.scene, shadows, slots);
+        }
+        let next = go_on(isa, (&lanes, &met, &shading), found.step);
+        counters.bounced += next.goes.count() as u64;
+        if around.media {
+            cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
+        }
+        next.store(isa, paths, to, &lanes)
+    }
+}
+
+/// The lanes' paths.
+struct State<S: Isa> {
+    o: Vec3<S::F>,
+    d: Vec3<S::F>,
+    time: S::F,
+    beta: Rgb<S::F>,
+    pdf: S::F,
+    slot: S::I,
+}
+
+impl<S: Isa> State<S> {
+    #[inline(always)]
+    fn load(isa: S, paths: &Paths, at: usize) -> Self {
+        let rays = &paths.rays;
+        Self {
+            o: rays.o.vector(isa, at),
+            d: rays.d.vector(isa, at),
+            time: rays.time.load(isa, at),
+            beta: paths.beta.color(isa, at),
+            pdf: paths.pdf.load(isa, at),
+            slot: rays.slot.load(isa, at),
+        }
+    }
+}
+
+/// The environment, for the lanes that met nothing.
+#[inline(always)]
+fn escape<S: Isa>(isa: S, around: &Surroundings<'_>, slots: &mut Slots, lanes: &State<S>, missed: S::M) {
+    let Some((id, environment)) = around.scene.environment_light() else { return };
+    if missed.none() {
+        return;
+    }
+    let light = match environment.constant() {
+        Some(radiance) => Rgb::splat(isa.splat(0.0), radiance),
+        None => {
+            let mut rows = [[0.0; WIDEST]; 3];
+            let probability = around.lights.probability(id);
+            let whole = &around.scene.lights[id.index()];
+            let mut bits = missed.bits();
+            while bits != 0 {
+                let lane = bits.trailing_zeros() as usize;
+                bits &= bits - 1;
+                let (d, o) = (lanes.d.extract(lane), lanes.o.extract(lane));
+                let asked = probability * whole.pdf(Reference { p: o, n: d }, d, None);
+                let share = share(lanes.pdf.extract(lane), asked);
+                let Rgb { r, g, b } = environment.radiance(d.into()).scale(share);
+                [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
+            }
+            Rgb::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+        }
+    };
+    slots.add(missed, lanes.slot, lanes.beta * light);
+}
+
+/// The part that is a ray's of light that asking finds with density `asked`.
+fn share(pdf: f32, asked: f32) -> f32 {
+    if pdf > 0.0 { heuristic::power(pdf, asked) } else { 1.0 }
+}
+
+/// What surfaces give off by themselves: few lanes meet a light, and these are done one by one.
+#[inline(always)]
+fn shine<S: Isa, const N: usize>(
+    isa: S,
+    around: &Surroundings<'_>,
+    slots: &mut Slots,
+    (lanes, met): (&State<S>, &Met<S>),
+    packet: &Packet<N>,
+) {
+    let scene = around.scene;
+    let mut bits = met.hit.bits();
+    let mut shining = 0;
+    let mut rows = [[0.0; WIDEST]; 3];
+    let mut names = [0; WIDEST];
+    crate::math::lanes::IntLanes::store(lanes.slot, &mut names);
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        slots.met[names[lane] as usize] = true;
+        if scene.materials[met.materials[lane] as usize].emission.is_none() {
+            continue;
+        }
+        let (ng, d) = (met.points.ng.extract(lane), lanes.d.extract(lane));
+        let emitted = scene.materials[met.materials[lane] as usize].emitted(d.dot(ng) < 0.0);
+        let placement = PlacementId(met.placements[lane]);
+        let emitter =
+            Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };
+        let asked = scene.light_id_of(placement).map_or(0.0, |id| {
+            let at = Reference { p: lanes.o.extract(lane), n: d };
+            around.lights.probability(id) * scene.lights[id.index()].pdf(at, d, Some(&emitter))
+        });
+        let Rgb { r, g, b } = emitted.scale(share(lanes.pdf.extract(lane), asked));
+        [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
+        shining |= 1 << lane;
+    }
+    if shining != 0 {
+        let light = Rgb::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]));
+        slots.add(met.hit, lanes.slot, lanes.beta * light);
+    }
+}
+
+/// First tangents of surfaces that are not the same in all directions, zero for the others.
+#[inline(always)]
+fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, met: &Met<S>) -> Vec3<S::F> {
+    let mut rows = [[0.0; WIDEST]; 3];
+    let mut bits = met.hit.bits();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let material = &scene.materials[met.materials[lane] as usize];
+        if let Some(tangent) = tangent_of(scene, packet, lane, material) {
+            [rows[0][lane], rows[1][lane], rows[2][lane]] = tangent.to_array();
+        }
+    }
+    Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+}
+
+#[inline(never)]
+fn tangent_of<const N: usize>(
+    scene: &Scene,
+    packet: &Packet<N>,
+    lane: usize,
+    material: &Material,
+) -> Option<glam::Vec3> {
+    material.scattering.turn()?;
+    let it = scene.world.interaction(&packet.ray.get(lane), &hit_of(packet, lane)?);
+    crate::integrator::tangent(scene, &it, material)
+}
+
+/// The light that each lane asks.
+struct Asked<S: Isa> {
+    wi: Vec3<S::F>,
+    p: Vec3<S::F>,
+    li: Rgb<S::F>,
+    /// Density with which it was asked, the choice included.
+    pdf: S::F,
+    /// The same for sharing with the ways on: infinite where these cannot find the light.
+    shared_pdf: S::F,
+    infinite: S::M,
+    valid: S::M,
+}
+
+#[inline(always)]
+fn asked<S: Isa>(
+    isa: S,
+    around: &Surroundings<'_>,
+    (met, shading): (&Met<S>, &Shading<S::F>),
+    (sampler, vertex): (&impl Sampler<I = S::I>, Vertex),
+) -> Asked<S> {
+    let lights = around.lights;
+    let zero = isa.splat(0.0);
+    let n = shading.frame.z;
+    let never = isa.splat_mask(false);
+    let nothing = Asked {
+        wi: n,
+        p: met.points.p,
+        li: Rgb::gray(zero),
+        pdf: isa.splat(1.0),
+        shared_pdf: isa.splat(1.0),
+        infinite: never,
+        valid: never,
+    };
+    if lights.is_empty() {
+        return nothing;
+    }
+    let reference = Reference { p: met.points.p, n };
+    let u2 = sampler.get_2d(Dim::LightPoint(0), vertex);
+    if let Some(only) = lights.only() {
+        return from_light(isa, &around.scene.lights[only.index()], 1.0, (reference, u2));
+    }
+    let u = sampler.get_1d(Dim::LightChoice, vertex);
+    let mut chosen = [u32::MAX; WIDEST];
+    for (lane, id) in chosen.iter_mut().enumerate().take(S::WIDTH) {
+        *id = lights.chosen(u.extract(lane)).0;
+    }
+    let ids = isa.load_u32(&chosen);
+    let mut all = nothing;
+    let mut bits = met.hit.bits();
+    while bits != 0 {
+        let id = chosen[bits.trailing_zeros() as usize];
+        let same = Compare::<u32>::eq(ids, id);
+        let (light, probability) = (&around.scene.lights[id as usize], lights.probability(LightId(id)));
+        all = Asked::select(same, from_light(isa, light, probability, (reference, u2)), all);
+        bits &= !same.bits();
+    }
+    all
+}
+
+impl<S: Isa> Asked<S> {
+    #[inline(always)]
+    fn select(mask: S::M, yes: Self, no: Self) -> Self {
+        Self {
+            wi: Vec3::select(mask, yes.wi, no.wi),
+            p: Vec3::select(mask, yes.p, no.p),
+            li: Rgb::select(mask, yes.li, no.li),
+            pdf: S::F::select(mask, yes.pdf, no.pdf),
+            shared_pdf: S::F::select(mask, yes.shared_pdf, no.shared_pdf),
+            infinite: (yes.infinite & mask) | (no.infinite & !mask),
+            valid: (yes.valid & mask) | (no.valid & !mask),
+        }
+    }
+}
+
+#[inline(always)]
+fn from_light<S: Isa>(
+    isa: S,
+    light: &Light,
+    probability: f32,
+    (reference, u2): (Reference<S::F>, [S::F; 2]),
+) -> Asked<S> {
+    let LightSample { wi, p, li, pdf, valid } = ask_light(isa, light, reference, u2);
+    let pdf = pdf * probability;
+    let shared_pdf = if light.is_delta() { isa.splat(f32::INFINITY) } else { pdf };
+    Asked { wi, p, li, pdf, shared_pdf, infinite: isa.splat_mask(light.is_infinite()), valid }
+}
+
+/// A function of its own per instruction set, as for lobes.
+#[inline(never)]
+fn ask_light<S: Isa>(isa: S, light: &Light, reference: Reference<S::F>, u2: [S::F; 2]) -> LightSample<S::F> {
+    isa.run(AskLight { light, reference, u2 })
+}
+
+struct AskLight<'a, F> {
+    light: &'a Light,
+    reference: Reference<F>,
+    u2: [F; 2],
+}
+
+impl<S: Isa> Kernel<S> for AskLight<'_, S::F> {
+    type Output = LightSample<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> LightSample<S::F> {
+        self.light.sample(self.reference, self.u2)
+    }
+}
+
+/// What surfaces answer, material by material.
+#[inline(always)]
+fn scatter<S: Isa, const N: usize>(
+    isa: S,
+    scene: &Scene,
+    met: &Met<S>,
+    beyond: &[(Media, f32); N],
+    question: &Question<S::F>,
+) -> Answer<S::F> {
+    let mut etas = [1.0; WIDEST];
+    etas.iter_mut().zip(beyond).for_each(|(to, (_, eta))| *to = *eta);
+    let eta = isa.load(&etas);
+    let ids = isa.load_u32(&met.materials);
+    let mut all = Answer::black(question.wo);
+    let mut bits = met.hit.bits();
+    while bits != 0 {
+        let id = met.materials[bits.trailing_zeros() as usize];
+        let same = Compare::<u32>::eq(ids, id) & met.hit;
+        bits &= !same.bits();
+        let Some(mix) = scene.materials[id as usize].bsdf(met.points.uv, eta) else { continue };
+        all = Answer::select(same, of_mix(isa, &mix, question), all);
+    }
+    all
+}
+
+/// One of the parts is chosen for the way on, each with the probability of its greatest weight.
+#[inline(always)]
+fn of_mix<S: Isa>(isa: S, mix: &Mix<S::F>, question: &Question<S::F>) -> Answer<S::F> {
+    let mut total = isa.splat(0.0);
+    for part in mix.parts() {
+        total += part.weight.max_channel();
+    }
+    let per = total.max(1e-30).recip();
+    let mut all = Answer::black(question.wo);
+    let mut at = isa.splat(0.0);
+    for part in mix.parts() {
+        let probability = part.weight.max_channel() * per;
+        let inverse = probability.max(1e-30).recip();
+        let chosen = question.choice.ge(at) & probability.gt(0.0);
+        // What is left of the number is as good as new within the part.
+        let choice = ((question.choice - at) * inverse).clamp(0.0, 1.0 - f32::EPSILON);
+        let own = Question { choice, light_pdf: question.light_pdf * inverse, ..*question };
+        let Answer { lit, step } = with_lobe!(&part.bsdf, lobe => ask(isa, lobe, &own));
+        let weight = step.weight * part.weight * inverse;
+        let step = Step { weight, pdf: step.pdf * probability, ..step };
+        all = Answer { lit: all.lit + lit * part.weight, step: Step::select(chosen, step, all.step) };
+        at += probability;
+    }
+    all
+}
+
+/// A function of its own per lobe and instruction set: in one piece, kernels take minutes to compile.
+#[inline(never)]
+fn ask<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, question: &Question<S::F>) -> Answer<S::F> {
+    isa.run(Ask { lobe, question })
+}
+
+struct Ask<'a, L, F> {
+    lobe: &'a L,
+    question: &'a Question<F>,
+}
+
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
+    type Output = Answer<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Answer<S::F> {
+        answer(self.lobe, self.question)
+    }
+}
+
+/// Queues the rays towards lights that would matter.
+#[inline(always)]
+fn send_shadows<S: Isa>(
+    isa: S,
+    shadows: &mut Shadows,
+    (lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>),
+    (light, question): (&Asked<S>, &Question<S::F>),
+    lit: Rgb<S::F>,
+    counters: &mut Counters,
+) {
+    let cos = question.light.z;
+    // Light from behind the true surface would leak through it, whatever the interpolated normal says.
+    let faces = light.valid & cos.gt(0.0) & light.wi.dot(shading.ng).gt(0.0) & met.hit;
+    let carried = lanes.beta * lit * light.li * (cos / light.pdf);
+    let wanted = faces & !carried.is_black();
+    if wanted.none() {
+        return;
+    }
+    let points = &met.points;
+    let d = Vec3::select(light.infinite, light.wi, light.p - points.p);
+    let end = S::F::select(light.infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
+    let o = spawn::origin(points.p, points.p_error, points.ng, d);
+    let at = shadows.rays.len;
+    shadows.rays.pack(at, wanted, (o, d, lanes.time, lanes.slot));
+    shadows.end.store(at, end.compress(wanted));
+    shadows.light.pack(at, wanted, Vec3::new(carried.r, carried.g, carried.b));
+    shadows.rays.len += wanted.count();
+    counters.shadow += wanted.count() as u64;
+}
+
+/// Those that go on.
+struct Next<S: Isa> {
+    o: Vec3<S::F>,
+    d: Vec3<S::F>,
+    beta: Rgb<S::F>,
+    pdf: S::F,
+    goes: S::M,
+}
+
+#[inline(always)]
+fn go_on<S: Isa>(
+    isa: S,
+    (lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>),
+    step: Step<S::F>,
+) -> Next<S> {
+    let d = shading.to_world(step.wi);
+    let below = d.dot(shading.ng).lt(0.0);
+    // Where a bent normal leads to the wrong side, there is no way.
+    let right = !(below ^ step.crosses);
+    let beta = lanes.beta * step.weight;
+    let _ = isa;
+    let goes = met.hit & step.valid & right & !beta.is_black();
+    let o = spawn::origin(met.points.p, met.points.p_error, met.points.ng, d);
+    Next { o, d, beta, pdf: step.pdf, goes }
+}
+
+impl<S: Isa> Next<S> {
+    /// Packs them to `to` and on; how many there are.
+    #[inline(always)]
+    fn store(self, _isa: S, paths: &mut Paths, to: usize, lanes: &State<S>) -> usize {
+        paths.rays.pack(to, self.goes, (self.o, self.d, lanes.time, lanes.slot));
+        paths.beta.pack(to, self.goes, Vec3::new(self.beta.r, self.beta.g, self.beta.b));
+        paths.pdf.store(to, self.pdf.compress(self.goes));
+        self.goes.count()
+    }
+}
+
+/// The media of those that cross a surface.
+#[inline(always)]
+fn cross<I: crate::math::lanes::IntLanes, const N: usize>(
+    slots: &mut Slots,
+    names: I,
+    crossing: I::Mask,
+    beyond: &[(Media, f32); N],
+) {
+    let mut bits = crossing.bits();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        slots.media[names.extract(lane) as usize] = beyond[lane].0;
+    }
+}
+
+/// What media leave of light on its way to the surfaces that asked for it, for rays that have not been looked at yet.
+#[inline(never)]
+fn absorb_shadows(scene: &Scene, shadows: &mut Shadows, slots: &Slots) {
+    for i in shadows.absorbed..shadows.rays.len {
+        let medium = slots.media[shadows.rays.slot.all()[i] as usize].current();
+        let d = glam::Vec3::from(shadows.rays.d.get(i));
+        let length = if shadows.end.all()[i].is_finite() { d.length() } else { f32::INFINITY };
+        let left = scene.absorbed(medium, length);
+        shadows.light.scale(i, [left.r, left.g, left.b]);
+    }
+    shadows.absorbed = shadows.rays.len;
+}
+
+impl<A> Stage<'_, A> {
+    /// Whether any material is not the same in all directions.
+    pub(super) fn turns(&self) -> bool {
+        self.scene.materials.iter().any(|material| material.scattering.turn().is_some())
+    }
+}

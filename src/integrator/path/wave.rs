@@ -1,0 +1,320 @@
+//! Paths of a batch side by side, one array per component.
+
+use crate::accel::{Packet, RayPacket};
+use crate::geometry::Ray;
+use crate::integrator::Radiance;
+use crate::material::Media;
+use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes};
+use crate::math::{Rgb, Vec3};
+
+/// Room behind the last entry of every array, so that the widest lanes can be loaded and stored anywhere.
+const SLACK: usize = 16;
+
+/// Numbers side by side. Loads beyond the end see what was there before.
+#[derive(Debug, Default)]
+pub(super) struct Column(Vec<f32>);
+
+/// The same for indices.
+#[derive(Debug, Default)]
+pub(super) struct IndexColumn(Vec<u32>);
+
+impl Column {
+    /// Makes room for `len` entries.
+    fn reserve(&mut self, len: usize) {
+        if self.0.len() < len + SLACK {
+            self.0.resize(len + SLACK, 0.0);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: Isa>(&self, isa: S, at: usize) -> S::F {
+        isa.load(&self.0[at..])
+    }
+
+    #[inline(always)]
+    pub(super) fn store<F: Lanes>(&mut self, at: usize, value: F) {
+        value.store(&mut self.0[at..]);
+    }
+
+    /// All entries, and what lies behind them.
+    #[inline(always)]
+    pub(super) fn all(&self) -> &[f32] {
+        &self.0
+    }
+}
+
+impl IndexColumn {
+    fn reserve(&mut self, len: usize) {
+        if self.0.len() < len + SLACK {
+            self.0.resize(len + SLACK, 0);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: Isa>(&self, isa: S, at: usize) -> S::I {
+        isa.load_u32(&self.0[at..])
+    }
+
+    #[inline(always)]
+    pub(super) fn store<I: IntLanes>(&mut self, at: usize, value: I) {
+        value.store(&mut self.0[at..]);
+    }
+
+    #[inline(always)]
+    pub(super) fn all(&self) -> &[u32] {
+        &self.0
+    }
+}
+
+/// Three columns.
+#[derive(Debug, Default)]
+pub(super) struct Columns3([Column; 3]);
+
+impl Columns3 {
+    fn reserve(&mut self, len: usize) {
+        self.0.iter_mut().for_each(|column| column.reserve(len));
+    }
+
+    #[inline(always)]
+    pub(super) fn vector<S: Isa>(&self, isa: S, at: usize) -> Vec3<S::F> {
+        let [x, y, z] = &self.0;
+        Vec3::new(x.load(isa, at), y.load(isa, at), z.load(isa, at))
+    }
+
+    #[inline(always)]
+    pub(super) fn color<S: Isa>(&self, isa: S, at: usize) -> Rgb<S::F> {
+        let Vec3 { x, y, z } = self.vector(isa, at);
+        Rgb::new(x, y, z)
+    }
+
+    /// Packs the lanes of the mask to `at` and on.
+    #[inline(always)]
+    pub(super) fn pack<F: Lanes>(&mut self, at: usize, mask: F::Mask, v: Vec3<F>) {
+        let [x, y, z] = &mut self.0;
+        x.store(at, v.x.compress(mask));
+        y.store(at, v.y.compress(mask));
+        z.store(at, v.z.compress(mask));
+    }
+
+    fn set(&mut self, i: usize, values: [f32; 3]) {
+        self.0.iter_mut().zip(values).for_each(|(column, value)| column.0[i] = value);
+    }
+
+    pub(super) fn scale(&mut self, i: usize, by: [f32; 3]) {
+        self.0.iter_mut().zip(by).for_each(|(column, factor)| column.0[i] *= factor);
+    }
+
+    pub(super) fn get(&self, i: usize) -> [f32; 3] {
+        [0, 1, 2].map(|axis| self.0[axis].0[i])
+    }
+}
+
+/// Rays, and whose they are.
+#[derive(Debug, Default)]
+pub(super) struct Rays {
+    pub(super) o: Columns3,
+    pub(super) d: Columns3,
+    pub(super) time: Column,
+    /// Number of the sample in the batch.
+    pub(super) slot: IndexColumn,
+    pub(super) len: usize,
+}
+
+impl Rays {
+    fn reserve(&mut self, len: usize) {
+        self.o.reserve(len);
+        self.d.reserve(len);
+        self.time.reserve(len);
+        self.slot.reserve(len);
+    }
+
+    /// Packs the lanes of the mask to `at` and on.
+    #[inline(always)]
+    pub(super) fn pack<F: Lanes>(
+        &mut self,
+        at: usize,
+        mask: F::Mask,
+        (o, d, time, slot): (Vec3<F>, Vec3<F>, F, F::Int),
+    ) {
+        self.o.pack(at, mask, o);
+        self.d.pack(at, mask, d);
+        self.time.store(at, time.compress(mask));
+        self.slot.store(at, slot.compress(mask));
+    }
+
+    /// `N` rays from `at` on.
+    #[inline]
+    fn fill<const N: usize>(&self, at: usize, packet: &mut RayPacket<N>) {
+        let of = at..at + N;
+        packet.o_x.copy_from_slice(&self.o.0[0].0[of.clone()]);
+        packet.o_y.copy_from_slice(&self.o.0[1].0[of.clone()]);
+        packet.o_z.copy_from_slice(&self.o.0[2].0[of.clone()]);
+        packet.d_x.copy_from_slice(&self.d.0[0].0[of.clone()]);
+        packet.d_y.copy_from_slice(&self.d.0[1].0[of.clone()]);
+        packet.d_z.copy_from_slice(&self.d.0[2].0[of.clone()]);
+        packet.time.copy_from_slice(&self.time.0[of]);
+        packet.t_min = [0.0; N];
+        packet.mask = [u32::MAX; N];
+    }
+}
+
+/// Paths that go on.
+#[derive(Debug, Default)]
+pub(super) struct Paths {
+    pub(super) rays: Rays,
+    /// What radiance along the ray is multiplied by on its way to the camera.
+    pub(super) beta: Columns3,
+    /// Density of the ray's direction; 0 where lights are not asked for the same.
+    pub(super) pdf: Column,
+}
+
+impl Paths {
+    fn reserve(&mut self, len: usize) {
+        self.rays.reserve(len);
+        self.beta.reserve(len);
+        self.pdf.reserve(len);
+    }
+
+    /// What a medium leaves of the light of path `i`.
+    pub(super) fn absorb(&mut self, i: usize, left: Rgb<f32>) {
+        self.beta.scale(i, [left.r, left.g, left.b]);
+    }
+
+    /// What path `i` meets counts in full.
+    pub(super) fn forget_density(&mut self, i: usize) {
+        self.pdf.0[i] = 0.0;
+    }
+
+    /// `N` rays from `at` on, to the ends of the world.
+    #[inline]
+    pub(super) fn packet<const N: usize>(&self, at: usize, packet: &mut Packet<N>) {
+        self.rays.fill(at, &mut packet.ray);
+        packet.ray.t_max = [f32::INFINITY; N];
+    }
+}
+
+/// Rays towards lights, and the light that they carry.
+#[derive(Debug, Default)]
+pub(super) struct Shadows {
+    pub(super) rays: Rays,
+    pub(super) end: Column,
+    pub(super) light: Columns3,
+    /// How many have been dimmed by the medium they start in.
+    pub(super) absorbed: usize,
+}
+
+impl Shadows {
+    fn reserve(&mut self, len: usize) {
+        self.rays.reserve(len);
+        self.end.reserve(len);
+        self.light.reserve(len);
+    }
+
+    /// `N` rays from `at` on.
+    #[inline]
+    pub(super) fn packet<const N: usize>(&self, at: usize, packet: &mut RayPacket<N>) {
+        self.rays.fill(at, packet);
+        packet.t_max.copy_from_slice(&self.end.0[at..at + N]);
+    }
+}
+
+/// What is known of each camera sample of a batch.
+#[derive(Debug, Default)]
+pub(super) struct Slots {
+    pub(super) pixel: [IndexColumn; 2],
+    pub(super) index: IndexColumn,
+    /// What the path has brought home.
+    pub(super) sum: Vec<Rgb<f32>>,
+    /// Whether it met a surface.
+    pub(super) met: Vec<bool>,
+    /// What the path is inside of.
+    pub(super) media: Vec<Media>,
+}
+
+impl Slots {
+    /// A coordinate of the pixels of samples.
+    #[inline(always)]
+    pub(super) fn pixel_of<S: Isa>(&self, isa: S, axis: usize, slots: S::I) -> S::I {
+        isa.gather_u32(self.pixel[axis].all(), slots)
+    }
+
+    /// Adds light to the samples of the lanes that are set.
+    #[inline(always)]
+    pub(super) fn add<F: Lanes>(&mut self, mask: F::Mask, slots: F::Int, light: Rgb<F>) {
+        let mut bits = mask.bits();
+        let mut rows = [[0.0; SLACK]; 3];
+        let mut names = [0; SLACK];
+        light.r.store(&mut rows[0]);
+        light.g.store(&mut rows[1]);
+        light.b.store(&mut rows[2]);
+        slots.store(&mut names);
+        while bits != 0 {
+            let lane = bits.trailing_zeros() as usize;
+            self.sum[names[lane] as usize] += Rgb::new(rows[0][lane], rows[1][lane], rows[2][lane]);
+            bits &= bits - 1;
+        }
+    }
+}
+
+/// A batch of camera samples on their way. Memory is kept from batch to batch.
+#[derive(Debug, Default)]
+pub struct Wave {
+    pub(super) paths: Paths,
+    pub(super) shadows: Shadows,
+    pub(super) slots: Slots,
+}
+
+impl Wave {
+    /// Forgets the samples of the last batch and makes room for `len`.
+    pub fn clear(&mut self, len: usize) {
+        self.paths.reserve(len);
+        self.shadows.reserve(len);
+        for column in self.slots.pixel.iter_mut().chain([&mut self.slots.index]) {
+            column.reserve(len);
+        }
+        self.slots.sum.clear();
+        self.slots.met.clear();
+        self.slots.media.clear();
+        self.paths.rays.len = 0;
+    }
+
+    /// Adds sample `index` of a pixel, whose camera ray starts in `media`.
+    ///
+    /// # Panics
+    /// Where there is no room for it.
+    pub fn push(&mut self, pixel: [u32; 2], index: u32, ray: &Ray, media: Media) {
+        let Self { paths, slots, .. } = self;
+        let at = paths.rays.len;
+        paths.rays.o.set(at, ray.o.into());
+        paths.rays.d.set(at, ray.d.into());
+        paths.rays.time.0[at] = ray.time;
+        paths.rays.slot.0[at] = u32::try_from(at).unwrap_or(u32::MAX);
+        paths.beta.set(at, [1.0; 3]);
+        paths.pdf.0[at] = 0.0;
+        slots.pixel[0].0[at] = pixel[0];
+        slots.pixel[1].0[at] = pixel[1];
+        slots.index.0[at] = index;
+        slots.sum.push(Rgb::BLACK);
+        slots.met.push(false);
+        slots.media.push(media);
+        paths.rays.len += 1;
+    }
+
+    /// How many samples there are, on their way or at home.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.slots.sum.len()
+    }
+
+    /// Whether there are none.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.slots.sum.is_empty()
+    }
+
+    /// What sample number `i` of the batch has brought home.
+    #[must_use]
+    pub fn radiance(&self, i: usize) -> Radiance {
+        Radiance { color: self.slots.sum[i], alpha: if self.slots.met[i] { 1.0 } else { 0.0 } }
+    }
+}
