@@ -80,29 +80,42 @@ fn channels(film: &Film) -> Vec<Vec<u32>> {
     all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
 }
 
+/// Renders the whole on one thread and on several, and in crops that are joined.
+fn assert_the_same(name: &str, scene: &Scene) {
+    let whole = bits(scene, 1, None);
+    assert_eq!(bits(scene, 1, None), whole, "{name}: a second time");
+    assert_eq!(bits(scene, 2, None), whole, "{name}: two threads");
+    assert_eq!(bits(scene, 5, None), whole, "{name}: five threads");
+    let (width, height) = (75, 52);
+    let mut joined = vec![vec![0_u32; width * height]; whole.len()];
+    for (x0, x1) in [(0, 23), (23, 24), (24, 75)] {
+        for (y0, y1) in [(0, 31), (31, 52)] {
+            let part = bits(scene, 2, Some(Window { x0, y0, x1, y1 }));
+            for (joined, part) in joined.iter_mut().zip(part) {
+                let columns = (x1 - x0) as usize;
+                for (row, values) in part.chunks_exact(columns).enumerate() {
+                    let at = (y0 as usize + row) * width + x0 as usize;
+                    joined[at..at + columns].copy_from_slice(values);
+                }
+            }
+        }
+    }
+    assert!(joined == whole, "{name}: crops joined differ from the whole");
+}
+
 #[test]
 fn threads_and_crops_do_not_change_a_bit() {
     for sampler in ["sobol", "independent", "stratified", "blue_noise"] {
         let scene = scene_of(&SCENE.replace("spp = 5", &format!("spp = 5\n    sampler = \"{sampler}\"")));
-        let whole = bits(&scene, 1, None);
-        assert_eq!(bits(&scene, 1, None), whole, "{sampler}: a second time");
-        assert_eq!(bits(&scene, 2, None), whole, "{sampler}: two threads");
-        assert_eq!(bits(&scene, 5, None), whole, "{sampler}: five threads");
-        let (width, height) = (75, 52);
-        let mut joined = vec![vec![0_u32; width * height]; whole.len()];
-        for (x0, x1) in [(0, 23), (23, 24), (24, 75)] {
-            for (y0, y1) in [(0, 31), (31, 52)] {
-                let part = bits(&scene, 2, Some(Window { x0, y0, x1, y1 }));
-                for (joined, part) in joined.iter_mut().zip(part) {
-                    let columns = (x1 - x0) as usize;
-                    for (row, values) in part.chunks_exact(columns).enumerate() {
-                        let at = (y0 as usize + row) * width + x0 as usize;
-                        joined[at..at + columns].copy_from_slice(values);
-                    }
-                }
-            }
-        }
-        assert!(joined == whole, "{sampler}: crops joined differ from the whole");
+        assert_the_same(sampler, &scene);
+    }
+}
+
+#[test]
+fn paths_do_not_change_a_bit_either() {
+    for (query, spp) in [("single", 3), ("stream", 3), ("stream", 16)] {
+        let settings = format!("spp = {spp}\n    integrator = \"path\"\n    query = \"{query}\"");
+        assert_the_same(&format!("{query}, {spp}"), &scene_of(&SCENE.replace("spp = 5", &settings)));
     }
 }
 

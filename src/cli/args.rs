@@ -8,7 +8,7 @@ use clap::{Arg, Parser, Subcommand, ValueEnum, ValueHint};
 use clap_complete::Shell;
 
 use crate::measure::Metric;
-use crate::scene::description::{Backend, Fresnel, Integrator, Sampler, View};
+use crate::scene::description::{Backend, Fresnel, Integrator, Query, Sampler, View};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -65,6 +65,10 @@ pub struct RenderArgs {
     /// What finds hits
     #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
     pub backend: Option<String>,
+
+    /// How the integrator `path` asks for hits: many paths side by side, or one after the other
+    #[arg(long, value_name = "NAME", value_parser = Words::of(Query::ALL, Query::word))]
+    pub query: Option<String>,
 
     /// Where samples fall
     #[arg(long, value_name = "NAME", value_parser = Words::of(Sampler::ALL, Sampler::word))]

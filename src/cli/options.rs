@@ -159,6 +159,7 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
         ("render.integrator", args.integrator.as_ref().or(view_implied.as_ref())),
         ("render.view", args.view.as_ref()),
         ("render.backend", args.backend.as_ref()),
+        ("render.query", args.query.as_ref()),
         ("render.sampler", args.sampler.as_ref()),
         ("render.fresnel", args.fresnel.as_ref()),
         ("film.width", args.width.as_ref()),

@@ -9,6 +9,7 @@ use super::options::RenderOptions;
 use crate::film::SampleId;
 use crate::render::{Phase, Rendered};
 use crate::scene::Scene;
+use crate::scene::description::Integrator;
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,8 +43,10 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         ("cpu_render_s", seconds(statistics.render.cpu).to_string()),
         ("non_finite_samples", rendered.film.non_finite().count().to_string()),
     ];
-    if settings.integrator.word() == "view" {
-        entries.push(("view", settings.view.word().to_owned()));
+    match settings.integrator {
+        Integrator::View => entries.push(("view", settings.view.word().to_owned())),
+        Integrator::Path => entries.push(("query", settings.query.word().to_owned())),
+        Integrator::Whitted | Integrator::Distribution => {}
     }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
     entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value)).collect()
@@ -80,6 +83,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
             "reflected": counters.reflected,
             "refracted": counters.refracted,
             "glossy": counters.glossy,
+            "bounced": counters.bounced,
             "shadow": counters.shadow,
             "hidden": counters.hidden,
             "total": counters.rays(),

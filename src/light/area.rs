@@ -3,10 +3,10 @@
 //! A point of the surface is drawn uniformly; the density per area 1/A becomes d^2 / (A cos) per solid angle. Enough for
 //! lights that subtend less than about half a radian; larger and nearer ones are right but noisy.
 
-use crate::light::{Emitter, LightSample, Reference, per_lane};
-use crate::math::lanes::Lanes;
+use crate::light::{Emitter, LightSample, Reference};
+use crate::math::lanes::{IntLanes, Isa, Lanes, Wrapping};
 use crate::math::{Rgb, Vec3};
-use crate::sampling::{Table1d, TableError, warp};
+use crate::sampling::{Picks, Table1d, TableError, warp};
 use std::f32::consts::PI;
 
 /// A point drawn from a surface.
@@ -147,10 +147,14 @@ impl SampleArea for DiscArea {
     }
 }
 
+/// Numbers kept of a triangle.
+const ROW: u32 = 13;
+
 /// Triangles, each chosen in proportion to its area.
 #[derive(Clone, Debug)]
 pub struct MeshArea {
-    triangles: Vec<[glam::Vec3; 3]>,
+    /// For each triangle its corners, its unit normal and its area.
+    rows: Vec<f32>,
     choice: Table1d,
     area: f32,
 }
@@ -163,18 +167,22 @@ impl MeshArea {
         let choice = Table1d::new(&areas)?;
         #[expect(clippy::cast_possible_truncation, reason = "summed in double precision, used in single")]
         let area = choice.total() as f32;
-        Ok(Self { triangles, choice, area })
+        let row = |corners: &[glam::Vec3; 3]| {
+            let [a, b, c] = *corners;
+            let n = (b - a).cross(c - a).normalize_or_zero();
+            [a, b, c, n].into_iter().flat_map(|v| v.to_array()).chain([area_of(corners)])
+        };
+        Ok(Self { rows: triangles.iter().flat_map(row).collect(), choice, area })
     }
 
-    fn sample_one(&self, u: f32, v: f32) -> [f32; 7] {
-        let chosen = self.choice.sample(u);
-        #[expect(clippy::cast_precision_loss, reason = "tables are shorter than 2^24")]
-        let rest = chosen.value * self.choice.len() as f32 - chosen.index as f32;
-        let [a, b, c] = self.triangles[chosen.index];
-        let [b0, b1, b2] = warp::triangle([rest.clamp(0.0, 1.0 - f32::EPSILON), v]);
-        let p = a * b0 + b * b1 + c * b2;
-        let n = (b - a).cross(c - a).normalize_or_zero();
-        [p.x, p.y, p.z, n.x, n.y, n.z, chosen.probability / area_of(&[a, b, c])]
+    #[inline(always)]
+    fn vector<I: IntLanes>(&self, first: I, k: u32) -> Vec3<I::F> {
+        let component = Wrapping::<u32>::wrapping_add(first, k);
+        Vec3::new(
+            first.isa().gather(&self.rows, component),
+            first.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(component, 1)),
+            first.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(component, 2)),
+        )
     }
 }
 
@@ -185,14 +193,19 @@ fn area_of([a, b, c]: &[glam::Vec3; 3]) -> f32 {
 impl SampleArea for MeshArea {
     #[inline(always)]
     fn sample_area<F: Lanes>(&self, like: F, [u, v]: [F; 2]) -> SurfacePoint<F> {
-        let [x, y, z, nx, ny, nz, pdf] =
-            per_lane(like, |lane| self.sample_one(u.extract(lane), v.extract(lane)));
-        SurfacePoint { p: Vec3::new(x, y, z), n: Vec3::new(nx, ny, nz), pdf }
+        // What is left of the number within its cell is as good as new.
+        let Picks { index, within, probability } = self.choice.sample_lanes(u);
+        let first = Wrapping::<u32>::wrapping_mul(index, ROW);
+        let [b0, b1, b2] = warp::triangle([within.min(1.0 - f32::EPSILON), v]);
+        let p = self.vector(first, 0) * b0 + self.vector(first, 3) * b1 + self.vector(first, 6) * b2;
+        let area = like.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(first, 12));
+        SurfacePoint { p, n: self.vector(first, 9), pdf: probability / area }
     }
 
     fn pdf_area(&self, prim: u32) -> f32 {
         let index = prim as usize;
-        self.triangles.get(index).map_or(0.0, |corners| self.choice.probability(index) / area_of(corners))
+        let area = self.rows.get(index * ROW as usize + 12);
+        area.map_or(0.0, |area| self.choice.probability(index) / area)
     }
 
     fn area(&self) -> f32 {

@@ -102,7 +102,7 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
                 description::Query::Stream => Level::from_env().unwrap_or_else(|_| Level::best()),
             };
             let size = if level.width() == 1 { 1 } else { BATCH };
-            let path = Path::new(plan.scene, max_depth, (plan.sampler, plan.seed), level);
+            let path = Path::new(plan.scene, (plan.sampler, plan.seed), level);
             timed(plan, accel, &InBatches { path: &path, size })
         }
         description::Integrator::View => {

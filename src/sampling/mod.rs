@@ -30,7 +30,7 @@ pub use dims::{Dim, Vertex};
 pub use independent::Independent;
 pub use owen_sobol::OwenSobol;
 pub use stratified::Stratified;
-pub use table1d::{Pick, Table1d, TableError};
+pub use table1d::{Pick, Picks, Table1d, TableError};
 pub use table2d::{Pick2d, Table2d};
 
 use crate::math::lanes::{IntLanes, Wrapping};

@@ -7,6 +7,8 @@
 //!
 //! Memory: 4 bytes per entry and 4 more. Drawing is a bisection.
 
+use crate::math::lanes::{Compare, IntLanes, Isa, Lanes, Select, Wrapping};
+
 /// 2^24.
 pub(super) const UNITS: u32 = 1 << 24;
 const UNIT: f32 = 1.0 / 16_777_216.0;
@@ -29,6 +31,17 @@ pub struct Pick {
     pub probability: f32,
     /// The density at `value`, with respect to length over [0, 1).
     pub pdf: f32,
+}
+
+/// What was drawn over lanes.
+#[derive(Clone, Copy, Debug)]
+pub struct Picks<F: Lanes> {
+    /// The entries.
+    pub index: F::Int,
+    /// The places within the cells, in [0, 1].
+    pub within: F,
+    /// The probabilities of the entries: discrete.
+    pub probability: F,
 }
 
 /// Why weights make no distribution.
@@ -87,6 +100,29 @@ impl Table1d {
         Pick { index, value, probability, pdf: probability * to_f32(self.len()) }
     }
 
+    /// As [`Table1d::sample`], for numbers over lanes: multiples of 2^-24 in [0, 1).
+    #[inline(always)]
+    pub fn sample_lanes<F: Lanes>(&self, u: F) -> Picks<F> {
+        let table = &self.cumulative;
+        let unit = (u * (1.0 / UNIT)).to_int();
+        // The last whose lower end is not above, by halving steps.
+        let mut index = unit.splat(0);
+        let mut step = 1 << self.len().ilog2();
+        let entries = u32::try_from(table.len()).unwrap_or(u32::MAX);
+        while step > 0 {
+            let next = Wrapping::<u32>::wrapping_add(index, step);
+            let end = unit.isa().gather_u32(table, next);
+            let fits = Compare::<F::Int>::le(end, unit) & Compare::<u32>::lt(next, entries);
+            index = F::Int::select(fits, next, index);
+            step >>= 1;
+        }
+        let low = unit.isa().gather_u32(table, index);
+        let high = unit.isa().gather_u32(table, Wrapping::<u32>::wrapping_add(index, 1));
+        let width = Wrapping::<F::Int>::wrapping_sub(high, low).signed_to_float();
+        let offset = Wrapping::<F::Int>::wrapping_sub(unit, low).signed_to_float();
+        Picks { index, within: (offset + 0.5) / width.max(1.0), probability: width * UNIT }
+    }
+
     /// The probability of an entry: discrete; zero beyond the last.
     pub fn probability(&self, index: usize) -> f32 {
         probability(&self.cumulative, index)
@@ -143,12 +179,13 @@ fn floor(x: f64) -> u32 {
 /// Entry and place of the number `u` in a cumulative distribution.
 pub(super) fn draw(cumulative: &[u32], u: f32) -> (usize, f32) {
     let cells = cumulative.len() - 1;
-    let unit = floor(f64::from(u.clamp(0.0, 1.0)) * f64::from(UNITS)).min(UNITS - 1);
+    let unit = floor(f64::from(u.clamp(0.0, 1.0)) * f64::from(UNITS));
+    let unit = Ord::min(unit, UNITS - 1);
     // The last whose lower end is not above: it has a width, since an empty one shares its end with the next.
     let index = cumulative.partition_point(|&end| end <= unit).clamp(1, cells) - 1;
     let (low, high) = (cumulative[index], cumulative[index + 1]);
     // The centre of the unit, so that entries with few units are not drawn towards their lower end.
-    let within = (f64::from(unit - low) + 0.5) / f64::from((high - low).max(1));
+    let within = (f64::from(unit - low) + 0.5) / f64::from(Ord::max(high - low, 1));
     (index, place(index, within, cells))
 }
 

@@ -40,16 +40,22 @@ pub struct Path {
     sampler: SamplerKind,
     seed: u32,
     level: Level,
+    /// Whether all rays of a packet come from one pixel.
+    whole: bool,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
 const MOST_HIDDEN: u32 = 256;
 
 impl Path {
-    /// Paths of at most `max_depth` edges, 1 being emission seen directly.
+    /// Paths of the scene's depth, with numbers of this kind and seed. Samples are to come pixel by pixel, all of each.
     #[must_use]
-    pub fn new(scene: &Scene, max_depth: u32, (sampler, seed): (SamplerKind, u32), level: Level) -> Self {
-        Self { lights: Lights::of(scene), max_depth, sampler, seed, level }
+    pub fn new(scene: &Scene, (sampler, seed): (SamplerKind, u32), level: Level) -> Self {
+        let (max_depth, spp) = (scene.render.max_depth, scene.render.spp as usize);
+        // The rays of a coherent packet are traced together, and what they hit on an edge may depend on their company:
+        // never on other pixels, which may be missing from a crop.
+        let whole = spp % level.width() == 0;
+        Self { lights: Lights::of(scene), max_depth, sampler, seed, level, whole }
     }
 
     /// Follows all samples of a batch to their ends.
@@ -60,6 +66,7 @@ impl Path {
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,
+            coherence: if self.whole { Coherence::Coherent } else { Coherence::Incoherent },
             media: stage.scene.has_media(),
             turns: stage.turns(),
         };
@@ -85,7 +92,7 @@ fn follow<A: Accel, S: Isa, const N: usize>(
     const { assert!(N == S::WIDTH, "a packet for each chunk of lanes") };
     counters.camera += wave.paths.rays.len as u64;
     let mut vertex = Vertex::ROOT;
-    let mut coherence = Coherence::Coherent;
+    let mut coherence = around.coherence;
     let mut packet = Packet::<N>::EMPTY;
     for depth in 1..=around.max_depth {
         wave.shadows.rays.len = 0;

@@ -3,7 +3,7 @@
 use super::lights::Lights;
 use super::met::{Met, WIDEST, hit_of};
 use super::wave::{Paths, Shadows, Slots, Wave};
-use crate::accel::Packet;
+use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, answer};
 use crate::bsdf::{Lobe, Mix, with_lobe};
 use crate::geometry::{PlacementId, spawn};
@@ -24,6 +24,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) sampler: SamplerKind,
     pub(super) seed: u32,
     pub(super) max_depth: u32,
+    /// Of the camera's rays.
+    pub(super) coherence: Coherence,
     /// Whether any surface bounds a medium.
     pub(super) media: bool,
     /// Whether any surface is not the same in all directions.
@@ -86,12 +88,12 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if around.media {
             absorb_shadows(around.scene, shadows, slots);
         }
-        let next = go_on(isa, (&lanes, &met, &shading), found.step);
+        let next = go_on((&lanes, &met, &shading), found.step);
         counters.bounced += next.goes.count() as u64;
         if around.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
         }
-        next.store(isa, paths, to, &lanes)
+        next.store(paths, to, &lanes)
     }
 }
 
@@ -440,17 +442,12 @@ struct Next<S: Isa> {
 }
 
 #[inline(always)]
-fn go_on<S: Isa>(
-    isa: S,
-    (lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>),
-    step: Step<S::F>,
-) -> Next<S> {
+fn go_on<S: Isa>((lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>), step: Step<S::F>) -> Next<S> {
     let d = shading.to_world(step.wi);
     let below = d.dot(shading.ng).lt(0.0);
     // Where a bent normal leads to the wrong side, there is no way.
     let right = !(below ^ step.crosses);
     let beta = lanes.beta * step.weight;
-    let _ = isa;
     let goes = met.hit & step.valid & right & !beta.is_black();
     let o = spawn::origin(met.points.p, met.points.p_error, met.points.ng, d);
     Next { o, d, beta, pdf: step.pdf, goes }
@@ -459,7 +456,7 @@ fn go_on<S: Isa>(
 impl<S: Isa> Next<S> {
     /// Packs them to `to` and on; how many there are.
     #[inline(always)]
-    fn store(self, _isa: S, paths: &mut Paths, to: usize, lanes: &State<S>) -> usize {
+    fn store(self, paths: &mut Paths, to: usize, lanes: &State<S>) -> usize {
         paths.rays.pack(to, self.goes, (self.o, self.d, lanes.time, lanes.slot));
         paths.beta.pack(to, self.goes, Vec3::new(self.beta.r, self.beta.g, self.beta.b));
         paths.pdf.store(to, self.pdf.compress(self.goes));
