@@ -297,12 +297,13 @@ impl Mesh {
         // Corners on their way are off by the rounding of their interpolation.
         let roundings = if self.later.is_empty() { gamma(7) } else { gamma(11) };
         let p_error = (a.abs() * w.abs() + b.abs() * u + c.abs() * v) * roundings + Vec3::splat(traversal);
-        let smooth = self.corner_normals_at(triangle, time).map(|[na, nb, nc]| na * w + nb * u + nc * v);
-        let ns = smooth.map_or(ng, |n| n.normalize_or(ng));
+        let corner_normals = self.corner_normals_at(triangle, time);
+        let ns = corner_normals.map_or(ng, |[na, nb, nc]| (na * w + nb * u + nc * v).normalize_or(ng));
+        let lift = corner_normals.map_or([Vec3::ZERO; 2], |normals| lift([a, b, c], normals, [w, u, v]));
         // Vertex normals are more often right than the winding.
         let ng = if ns.dot(ng) < 0.0 { -ng } else { ng };
         let uv = self.corner_uvs(triangle).map_or(Vec2::new(u, v), |[ta, tb, tc]| ta * w + tb * u + tc * v);
-        SurfacePoint { p, p_error, ng, ns, uv }
+        SurfacePoint { p, p_error, ng, ns, uv, lift }
     }
 
     /// Bytes of the arrays.
@@ -319,6 +320,20 @@ impl Mesh {
             + self.groups.as_deref().map_or(0, bytes)
             + later.flatten().map(|array| bytes(array)).sum::<usize>()
     }
+}
+
+/// From a point of a triangle, by its barycentric coordinates, to the smooth surface that the corners' normals stand for: the
+/// mean of its projections on the planes through the corners, of those it lies below (Hanika 2021, Hacking the Shadow
+/// Terminator). First for the side of the normals, then for the other.
+fn lift(corners: [Vec3; 3], normals: [Vec3; 3], weights: [f32; 3]) -> [Vec3; 2] {
+    let p = corners[0] * weights[0] + corners[1] * weights[1] + corners[2] * weights[2];
+    let mut lift = [Vec3::ZERO; 2];
+    for ((corner, normal), weight) in corners.into_iter().zip(normals).zip(weights) {
+        let n = normal.normalize_or_zero();
+        let height = (p - corner).dot(n);
+        lift[usize::from(height > 0.0)] -= n * (height * weight);
+    }
+    lift
 }
 
 fn check_length(what: &'static str, found: usize, expected: usize) -> Result<(), MeshError> {
