@@ -138,7 +138,8 @@ fn all_types_and_orders_give_the_same_mesh() {
             for length in wholes {
                 for index in wholes {
                     let name = format!("{order:?}, {real}, list {length} {index}");
-                    let LoadedMesh { mesh, materials, warnings } = load(&square(order, real, length, index));
+                    let LoadedMesh { mesh, materials, warnings, .. } =
+                        load(&square(order, real, length, index));
                     assert!(warnings.is_empty() && materials.is_empty(), "{name}: {warnings:?}");
                     assert_eq!(mesh.triangles().as_ref(), [[0, 1, 2], [0, 2, 3]], "{name}: triangles");
                     let corner = Vec3::new(2.0, 2.0, 0.0);

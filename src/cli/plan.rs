@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
@@ -56,10 +57,13 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
     let mut line = |key: &str, value: &str| _ = writeln!(text, "{key:<11}{value}");
     line("scene", name);
     let size = needs.bounds.size().to_array().map(length);
-    let center = needs.bounds.center();
+    let center = needs.bounds.center().as_dvec3() + scene.origin;
     if !needs.bounds.is_empty() {
         line("extent", &format!("{} about ({}, {}, {})", size.join(" x "), center.x, center.y, center.z));
         line("camera", &format!("{} from the middle", length(camera_distance(scene, needs))));
+    }
+    if let Some(moved) = moved(scene) {
+        line("origin", &moved);
     }
     let contents = [
         counted(needs.placements, "placement"),
@@ -93,6 +97,15 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
     text
 }
 
+/// Where coordinates are counted from, if not from the origin of the scene's files.
+fn moved(scene: &Scene) -> Option<String> {
+    let origin = scene.origin;
+    (origin != DVec3::ZERO).then(|| {
+        let [x, y, z] = origin.to_array();
+        format!("({x}, {y}, {z}): the camera is too far out for single precision, all is counted from there")
+    })
+}
+
 /// What is required, and what is left out.
 fn table(required: &[&Need], left_out: &[&Need]) -> String {
     let origin = |need: &Need| need.first.as_ref().map_or_else(|| "-".to_owned(), ToString::to_string);
@@ -122,10 +135,12 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         })
     };
     let bounds = (!needs.bounds.is_empty())
-        .then(|| json!({ "min": needs.bounds.min.to_array(), "max": needs.bounds.max.to_array() }));
+        .then(|| [needs.bounds.min, needs.bounds.max].map(|p| (p.as_dvec3() + scene.origin).to_array()))
+        .map(|[min, max]| json!({ "min": min, "max": max }));
     json!({
         "scene": name,
         "bounds_m": bounds,
+        "origin_m": scene.origin.to_array(),
         "camera_distance_m": camera_distance(scene, needs),
         "placements": needs.placements,
         "shapes": needs.shapes,

@@ -18,6 +18,9 @@ pub struct Interaction {
     pub ns: Vec3,
     /// Surface parameters: those of the mesh's file, else barycentric; longitude and latitude on a sphere.
     pub uv: Vec2,
+    /// From the point to the smooth surface that `ns` stands for, where that lies on the side of `ng`, and where it lies on the
+    /// other; zero where it does not.
+    pub lift: [Vec3; 2],
     /// Ray parameter of the hit.
     pub t: f32,
     /// Moment within the shutter, in [0, 1].
@@ -46,9 +49,7 @@ impl Interaction {
     /// The ray towards a point that ends just before it; parameters count from 0 at the start to 1 at the point.
     #[must_use]
     pub fn spawn_to(&self, target: Vec3) -> Ray {
-        let d = (target - self.p).into();
-        let o: Vec3 = spawn::origin::<f32>(self.p.into(), self.p_error.into(), self.ng.into(), d).into();
-        Ray::new(o, target - o).until(spawn::SHADOW_REACH).at_time(self.time)
+        self.spawn(target - self.p).towards(target)
     }
 }
 
@@ -64,7 +65,7 @@ impl World {
             None => at(ray),
             Some(map) => at(&ray.into_object(&map)).transformed(&map),
         };
-        let SurfacePoint { p, p_error, ng, ns, uv } = point;
+        let SurfacePoint { p, p_error, ng, ns, uv, lift } = point;
         Interaction {
             p,
             p_error,
@@ -72,6 +73,7 @@ impl World {
             ng,
             ns: if ns.dot(ng) < 0.0 { -ns } else { ns },
             uv,
+            lift,
             t,
             time: ray.time,
             placement: hit.placement,

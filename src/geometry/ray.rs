@@ -1,5 +1,6 @@
 //! Rays.
 
+use crate::geometry::spawn;
 use crate::math::Transform;
 use glam::Vec3;
 
@@ -36,6 +37,12 @@ impl Ray {
     #[must_use]
     pub fn until(self, t_max: f32) -> Self {
         Self { t_max, ..self }
+    }
+
+    /// The ray from the same origin at the same moment that ends just before a point; parameters count from 0 to 1 at the point.
+    #[must_use]
+    pub fn towards(self, target: Vec3) -> Self {
+        Self { d: target - self.o, ..self }.until(spawn::SHADOW_REACH)
     }
 
     /// The same ray at another moment, in [0, 1].

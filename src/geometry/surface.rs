@@ -75,13 +75,16 @@ pub struct SurfacePoint {
     pub ns: Vec3,
     /// Surface parameters for textures.
     pub uv: Vec2,
+    /// From the point to the smooth surface that shading normals stand for, where that lies outside, and where it lies inside;
+    /// zero where it does not.
+    pub lift: [Vec3; 2],
 }
 
 impl SurfacePoint {
     /// A point of a smooth surface, which is shaded with its true normal.
     #[must_use]
     pub fn smooth(p: Vec3, p_error: Vec3, n: Vec3, uv: Vec2) -> Self {
-        Self { p, p_error, ng: n, ns: n, uv }
+        Self { p, p_error, ng: n, ns: n, uv, lift: [Vec3::ZERO; 2] }
     }
 
     /// The point in the space that `map` leads to.
@@ -93,6 +96,7 @@ impl SurfacePoint {
             ng: map.normal(self.ng).normalize_or(self.ng),
             ns: map.normal(self.ns).normalize_or(self.ns),
             uv: self.uv,
+            lift: self.lift.map(|lift| map.vector(lift)),
         }
     }
 }

@@ -82,8 +82,9 @@ fn from_light<A: Accel>(
     if (diffuse + glossy).is_black() {
         return Rgb::BLACK;
     }
+    let Some(ray) = towards(stage, receiver, light, (&sample, below), counters) else { return Rgb::BLACK };
     let straight = !diffuse.is_black() && stage.scene.glass_shadows == GlassShadows::Straight;
-    let seen = visibility(stage, receiver.it, light, (&sample, straight), counters);
+    let seen = visibility(stage, &ray, light, (&sample, straight), counters);
     if !seen.clear {
         // Through glass the rays of glossy lobes find their own, bent way.
         return diffuse * seen.through;
@@ -102,10 +103,8 @@ fn scattered(
 ) -> (Rgb<f32>, Rgb<f32>) {
     let Receiver { shading, mix, counts, .. } = receiver;
     let wi = shading.frame.to_local(sample.wi);
-    // Light from behind the true surface would leak through it, whatever the interpolated normal says.
-    let side = if below { -1.0 } else { 1.0 };
-    let cos = wi.z * side;
-    if !sample.valid || cos <= 0.0 || sample.wi.dot(shading.ng) * side <= 0.0 {
+    let cos = if below { -wi.z } else { wi.z };
+    if !sample.valid || cos <= 0.0 {
         return (Rgb::BLACK, Rgb::BLACK);
     }
     let arriving = sample.li * (cos / sample.pdf);
@@ -135,8 +134,20 @@ impl Visibility {
     const CLEAR: Self = Self { through: Rgb::WHITE, clear: true };
 }
 
-/// The ray from a surface towards a light's sample.
-fn towards(it: &Interaction, light: &Light, sample: &LightSample<f32>) -> Ray {
+/// The ray from a surface towards a light's sample; `None` where the surface itself is in the way.
+fn towards<A: Accel>(
+    stage: &Stage<'_, A>,
+    receiver: &Receiver<'_>,
+    light: &Light,
+    (sample, below): (&LightSample<f32>, bool),
+    counters: &mut Counters,
+) -> Option<Ray> {
+    let ray = receiver.shading.spawn(stage, receiver.it, (sample.wi.into(), below), counters)?;
+    Some(if light.is_infinite() { ray } else { ray.towards(sample.p.into()) })
+}
+
+/// The ray from glass on towards a light's sample.
+fn onwards(it: &Interaction, light: &Light, sample: &LightSample<f32>) -> Ray {
     if light.is_infinite() { it.spawn(sample.wi.into()) } else { it.spawn_to(sample.p.into()) }
 }
 
@@ -144,18 +155,17 @@ fn towards(it: &Interaction, light: &Light, sample: &LightSample<f32>) -> Ray {
 /// `straight`.
 fn visibility<A: Accel>(
     stage: &Stage<'_, A>,
-    from: &Interaction,
+    first: &Ray,
     light: &Light,
     (sample, straight): (&LightSample<f32>, bool),
     counters: &mut Counters,
 ) -> Visibility {
-    let ray = towards(from, light, sample);
     counters.shadow += 1;
     if !straight {
-        return if stage.accel.occluded(&ray) { Visibility::BLOCKED } else { Visibility::CLEAR };
+        return if stage.accel.occluded(first) { Visibility::BLOCKED } else { Visibility::CLEAR };
     }
     let mut seen = Visibility::CLEAR;
-    let mut ray = ray;
+    let mut ray = *first;
     while let Some(hit) = stage.accel.intersect(&ray) {
         let it = stage.scene.world.interaction(&ray, &hit);
         let material = stage.scene.material(&it).1;
@@ -167,7 +177,7 @@ fn visibility<A: Accel>(
         if seen.through.max_channel() < FAINTEST {
             return Visibility::BLOCKED;
         }
-        ray = towards(&it, light, sample);
+        ray = onwards(&it, light, sample);
         counters.shadow += 1;
     }
     seen

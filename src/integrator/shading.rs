@@ -1,11 +1,26 @@
-//! The frame in which a surface is shaded.
+//! The frame in which a surface is shaded, and where rays leave it.
+//!
+//! Meshes are shaded with normals of a smooth surface that they only stand for. Two things go wrong without care. A mirrored
+//! ray may go into the mesh: the normal is bent until it does not. And light may come from above the smooth surface, but from
+//! below the triangle, which then is black beside lit neighbours: such rays start from the smooth surface instead (Hanika
+//! 2021, Hacking the Shadow Terminator), if nothing stands in between.
 
-use crate::geometry::Interaction;
+use crate::accel::Accel;
+use crate::geometry::{Interaction, Ray, spawn};
+use crate::integrator::{Counters, Stage};
 use crate::math::lanes::{Lanes, Select};
 use crate::math::{Frame, Vec3};
+use glam::Vec3 as Point;
 
 /// Closer to the surface than this, mirrored rays are lifted: below it they would hit the surface that sent them.
 const LOWEST: f32 = 1e-4;
+
+/// Square of how many times its error a point must lie below the smooth surface: less is rounding, not form.
+const LEAST_LIFT: f32 = 16.0;
+
+/// How far the way to the smooth surface must be free, in its lengths. Just to its end, and a wall that stands there is passed by
+/// the rounding of one or the other; farther than needed leaves facets near walls in the dark.
+const PAST: f32 = 1.01;
 
 /// A frame on the viewer's side of a surface.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +33,51 @@ pub(super) struct Shading<F> {
     pub(super) ng: Vec3<F>,
 }
 
+/// A ray that starts from the smooth surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lifted {
+    /// The ray.
+    pub(super) ray: Ray,
+    /// The way to its start, on which nothing may stand: a wall that the smooth surface would reach through must not let light
+    /// through.
+    pub(super) guard: Ray,
+}
+
 impl Shading<f32> {
     /// The frame at an interaction; its x is `tangent` where one is given, else arbitrary.
-    pub(super) fn at(it: &Interaction, tangent: Option<glam::Vec3>) -> Self {
+    pub(super) fn at(it: &Interaction, tangent: Option<Point>) -> Self {
         Self::seen(it.wo.into(), [it.ng.into(), it.ns.into()], tangent.map(Into::into))
     }
+
+    /// The ray that leaves the interaction along `d`, which is above the shading normal's horizon, or `below` it; `None` where
+    /// that is not so of the surface itself and the ray cannot start from the smooth surface instead.
+    pub(super) fn spawn<A: Accel>(
+        &self,
+        stage: &Stage<'_, A>,
+        it: &Interaction,
+        (d, below): (Point, bool),
+        counters: &mut Counters,
+    ) -> Option<Ray> {
+        if (d.dot(self.ng.into()) < 0.0) == below {
+            return Some(it.spawn(d));
+        }
+        let Lifted { ray, guard } = lifted(it, self.frame.z.into(), (d, below))?;
+        counters.shadow += 1;
+        (!stage.accel.occluded(&guard)).then_some(ray)
+    }
+}
+
+/// The ray along `d`, above the horizon of the shading normal `ns` or `below` it, that starts from the smooth surface.
+pub(super) fn lifted(it: &Interaction, ns: Point, (d, below): (Point, bool)) -> Option<Lifted> {
+    // Of the lifts the first is for the outside.
+    let lift = it.lift[usize::from(it.is_front() == below)];
+    let n = if below { -ns } else { ns };
+    if lift.length_squared() <= LEAST_LIFT * it.p_error.length_squared() || d.dot(n) <= 0.0 {
+        return None;
+    }
+    let start = it.p + lift;
+    let ray = spawn::ray(start, it.p_error, n, d).at_time(it.time);
+    Some(Lifted { ray, guard: it.spawn_to(start).until(PAST) })
 }
 
 impl<F: Lanes> Shading<F> {
@@ -71,7 +126,6 @@ fn bent<F: Lanes>(ns: Vec3<F>, ng: Vec3<F>, wo: Vec3<F>) -> Vec3<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3 as Point;
 
     #[test]
     fn bent_normals_mirror_above_the_surface() {

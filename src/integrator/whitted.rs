@@ -23,7 +23,7 @@ use crate::geometry::{Interaction, Ray};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{Integrator, Radiance, Splitting, Stage, Worker, tangent};
+use crate::integrator::{Counters, Integrator, Radiance, Splitting, Stage, Worker, tangent};
 use crate::light::Reference;
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
@@ -151,7 +151,7 @@ impl Whitted {
         if node.depth < self.max_depth {
             *sum += node.beta * direct::light(stage, &receiver, sampler, node.vertex, &mut worker.counters);
         }
-        let at = At { node: &node, it: &it, shading, eta, beyond };
+        let at = At { stage, node: &node, it: &it, shading, eta, beyond };
         for (index, part) in (0..).zip(mix.parts()) {
             self.push_specular(&at, part, index, worker);
             self.push_glossy(&at, &receiver, (index, part), sampler, worker);
@@ -160,7 +160,7 @@ impl Whitted {
     }
 
     /// The lighter branch is pushed last and followed first, so that few are pending.
-    fn push_specular(&self, at: &At<'_>, part: &Part<f32>, index: u32, worker: &mut Worker) {
+    fn push_specular<A: Accel>(&self, at: &At<'_, A>, part: &Part<f32>, index: u32, worker: &mut Worker) {
         let mut branches = part.bsdf.branches(at.shading.wo);
         let heavy = |branch: &Option<Branch<f32>>| branch.map_or(0.0, |b| b.weight.max_channel());
         if heavy(&branches[1]) > heavy(&branches[0]) {
@@ -168,13 +168,13 @@ impl Whitted {
         }
         for branch in branches.into_iter().flatten().filter(|branch| branch.valid) {
             let d: Vec3 = at.shading.to_world(branch.wi).into();
-            // Where a bent normal sends refraction back to the side it came from, there is no way through.
-            if branch.transmission != (d.dot(at.shading.ng.into()) < 0.0) {
+            let Some(ray) = at.shading.spawn(at.stage, at.it, (d, branch.transmission), &mut worker.counters)
+            else {
                 continue;
-            }
+            };
             let radiance_scale = at.node.radiance_scale * branch.radiance_scale;
             let child = Node {
-                ray: at.it.spawn(d),
+                ray,
                 start: at.it.p,
                 beta: at.node.beta * part.weight * branch.weight.scale(branch.radiance_scale),
                 radiance_scale,
@@ -194,9 +194,9 @@ impl Whitted {
         }
     }
 
-    fn push_glossy<S: Sampler<I = u32>>(
+    fn push_glossy<A: Accel, S: Sampler<I = u32>>(
         &self,
-        at: &At<'_>,
+        at: &At<'_, A>,
         receiver: &Receiver<'_>,
         (index, part): (u32, &Part<f32>),
         sampler: &S,
@@ -209,7 +209,9 @@ impl Whitted {
             let u2 = sampler.get_2d_split(Dim::LobeDirection, vertex, j, count);
             let samples = part.bsdf.sample_glossy(at.shading.wo, u2);
             for (way, sample) in [GLOSSY, GLOSSY_THROUGH].into_iter().zip(samples) {
-                let Some(child) = at.glossy_child(receiver, (index, part), (way, j), sample) else {
+                let Some(child) =
+                    at.glossy_child(receiver, (index, part), (way, j), sample, &mut worker.counters)
+                else {
                     continue;
                 };
                 if self.push(child, worker) {
@@ -241,7 +243,8 @@ fn nth(vertex: Vertex, j: u32, count: u32) -> Vertex {
 }
 
 /// Where branches leave from.
-struct At<'a> {
+struct At<'a, A> {
+    stage: &'a Stage<'a, A>,
     node: &'a Node,
     it: &'a Interaction,
     shading: Shading<f32>,
@@ -251,7 +254,7 @@ struct At<'a> {
     beyond: Media,
 }
 
-impl At<'_> {
+impl<A: Accel> At<'_, A> {
     /// The node at the end of a way on from the part `index` of a mix.
     fn child(&self, index: u32, way: u32) -> Vertex {
         self.node.vertex.child(index * WAYS + way)
@@ -264,19 +267,18 @@ impl At<'_> {
         (index, part): (u32, &Part<f32>),
         (way, j): (u32, u32),
         sample: Option<BsdfSample<f32>>,
+        counters: &mut Counters,
     ) -> Option<Node> {
         let BsdfSample { weight, pdf, wi, .. } = sample.filter(|sample| sample.valid)?;
         let through = way == GLOSSY_THROUGH;
         let d: Vec3 = self.shading.to_world(wi).into();
-        if through != (d.dot(self.shading.ng.into()) < 0.0) {
-            return None;
-        }
+        let ray = self.shading.spawn(self.stage, self.it, (d, through), counters)?;
         // Already in the weight: radiance grows with the square of the index.
         let grown = if through { (self.eta * self.eta).recip() } else { 1.0 };
         let counts = receiver.counts;
         let share = counts.glossy_factor().max(1.0).recip();
         Some(Node {
-            ray: self.it.spawn(d),
+            ray,
             start: self.it.p,
             beta: self.node.beta * part.weight * weight.scale(share),
             radiance_scale: self.node.radiance_scale * grown * share,

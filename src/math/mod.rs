@@ -6,6 +6,7 @@ pub mod frame;
 pub mod lanes;
 pub mod motion;
 pub mod polar;
+pub mod recentre;
 pub mod rgb;
 pub mod roots;
 pub mod transform;

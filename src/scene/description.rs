@@ -2,7 +2,8 @@
 //!
 //! Every table of the scene file is declared here, once: names, types, units, ranges and defaults of its keys, and the
 //! sentence that explains each. The decoder, the checks, the suggestions and the JSON Schema all come from these
-//! declarations (the macros of `record.rs`). Lengths are metres, radiance is W/(sr m^2), angles are degrees.
+//! declarations (the macros of `record.rs`). Lengths are metres, radiance is W/(sr m^2), angles are degrees. Places and what
+//! carries shapes to them are double precision: far from the origin, small differences count.
 //!
 //! A description that came out of [`crate::scene::load()`] is valid key by key, its references resolve and the files it
 //! names exist; whether those files can be read and whether a transform is invertible is found out later.
@@ -11,7 +12,7 @@ use crate::error::Place;
 use crate::math::Rgb;
 use crate::scene::load::{EXTENSIONS, check};
 use crate::scene::record::{Value, choice, record, tagged};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::ops::Deref;
 use std::path::PathBuf;
 
@@ -45,7 +46,7 @@ pub struct Named<T> {
 
 /// One number per axis; a single number in the file stands for all three.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PerAxis(pub Vec3);
+pub struct PerAxis(pub DVec3);
 
 /// A width along each tangent; a single number in the file stands for both.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,9 +119,9 @@ tagged! {
         /// A pinhole, or a thin lens in its place.
         "perspective" => Perspective {
             /// Where the camera stands.
-            from: Vec3 = Vec3::new(0.0, 1.6, 4.6), unit("m");
+            from: DVec3 = DVec3::new(0.0, 1.6, 4.6), unit("m");
             /// The point in the middle of the picture.
-            at: Vec3 = Vec3::new(0.0, 0.35, 0.0), unit("m");
+            at: DVec3 = DVec3::new(0.0, 0.35, 0.0), unit("m");
             /// The direction that points up in the picture; any length, not along the view.
             up: Vec3 = Vec3::Y, nonzero();
             /// Angle of view from the bottom to the top of the picture.
@@ -150,9 +151,9 @@ record! {
         /// When.
         time_s: f64, unit("s");
         /// Where the camera stands; absent: the camera's own `from`.
-        from: Option<Vec3>, unit("m");
+        from: Option<DVec3>, unit("m");
         /// The point in the middle of the picture; absent: the camera's own `at`.
-        at: Option<Vec3>, unit("m");
+        at: Option<DVec3>, unit("m");
         /// The direction that points up in the picture; absent: the camera's own `up`.
         up: Option<Vec3>, nonzero();
         /// Angle of view from the bottom to the top of the picture; absent: the camera's own.
@@ -663,14 +664,14 @@ tagged! {
         /// A sphere.
         "sphere" => Sphere {
             /// Centre.
-            center: Vec3 = Vec3::ZERO, unit("m");
+            center: DVec3 = DVec3::ZERO, unit("m");
             /// Radius.
             radius: f32 = 1.0, unit("m"), above(0.0);
         }
         /// A flat round disc.
         "disc" => Disc {
             /// Centre.
-            center: Vec3 = Vec3::ZERO, unit("m");
+            center: DVec3 = DVec3::ZERO, unit("m");
             /// The side that is outside; any length.
             normal: Vec3 = Vec3::Y, nonzero();
             /// Radius.
@@ -679,7 +680,7 @@ tagged! {
         /// A flat parallelogram; its outside is that of `edge_u` x `edge_v`.
         "rectangle" => Rectangle {
             /// Centre.
-            center: Vec3 = Vec3::ZERO, unit("m");
+            center: DVec3 = DVec3::ZERO, unit("m");
             /// From the centre to the middle of one side.
             edge_u: Vec3, unit("m"), nonzero();
             /// From the centre to the middle of the next side.
@@ -688,16 +689,16 @@ tagged! {
         /// A box along the axes.
         "box" => Box {
             /// Its lowest corner.
-            min: Vec3, unit("m");
+            min: DVec3, unit("m");
             /// Its highest corner.
-            max: Vec3, unit("m");
+            max: DVec3, unit("m");
         }
         /// A cylinder.
         "cylinder" => Cylinder {
             /// Centre of its first end.
-            from: Vec3 = Vec3::ZERO, unit("m");
+            from: DVec3 = DVec3::ZERO, unit("m");
             /// Centre of its second end.
-            to: Vec3 = Vec3::Y, unit("m");
+            to: DVec3 = DVec3::Y, unit("m");
             /// Radius.
             radius: f32 = 1.0, unit("m"), above(0.0);
             /// Whether discs close its ends; a clear body needs them.
@@ -706,9 +707,9 @@ tagged! {
         /// A cone, or what is left of one whose tip is cut off.
         "cone" => Cone {
             /// Centre of its base.
-            from: Vec3 = Vec3::ZERO, unit("m");
+            from: DVec3 = DVec3::ZERO, unit("m");
             /// Its tip, or the centre of the end where that is cut off.
-            to: Vec3 = Vec3::Y, unit("m");
+            to: DVec3 = DVec3::Y, unit("m");
             /// Radius of its base.
             radius: f32 = 1.0, unit("m"), above(0.0);
             /// Radius of its other end.
@@ -719,7 +720,7 @@ tagged! {
         /// A ring with a hole.
         "torus" => Torus {
             /// Centre.
-            center: Vec3 = Vec3::ZERO, unit("m");
+            center: DVec3 = DVec3::ZERO, unit("m");
             /// The direction through the hole; any length.
             axis: Vec3 = Vec3::Y, nonzero();
             /// From the centre to the middle of the tube.
@@ -732,7 +733,7 @@ tagged! {
             /// A gray picture (PNG of 8 or 16 bits, EXR or HDR), 2 by 2 pixels at least; a height per pixel.
             file: Located<PathBuf>, file(&["png", "exr", "hdr"]);
             /// Centre of the rectangle, from which heights are counted.
-            center: Vec3 = Vec3::ZERO, unit("m");
+            center: DVec3 = DVec3::ZERO, unit("m");
             /// Edges of the rectangle along x and z, between the outermost heights.
             size: [f32; 2] = [1.0, 1.0], unit("m"), above(0.0);
             /// Heights of black (0) and of white (1); of what is beyond them in EXR and HDR files in proportion.
@@ -781,24 +782,24 @@ tagged! {
         /// Turns about an axis through the origin, counter-clockwise seen from its tip.
         "rotate_deg" => Rotate {
             /// The angle.
-            rotate_deg: f32, unit("degrees");
+            rotate_deg: f64, unit("degrees");
             /// The axis; any length.
-            axis: Vec3, nonzero();
+            axis: DVec3, nonzero();
         }
         /// Moves.
         "translate" => Translate {
             /// By how much.
-            translate: Vec3, unit("m");
+            translate: DVec3, unit("m");
         }
         /// Applies an affine matrix to column vectors.
         "matrix" => Matrix {
             /// Four rows of four numbers, one row after the other; the last is 0, 0, 0, 1.
-            matrix: [f32; 16];
+            matrix: [f64; 16];
         }
         /// Scales and moves the shape so that it stands centred on the origin on the plane y = 0.
         "fit" => Fit {
             /// The longest edge that its bounding box shall have.
-            fit: f32, unit("m"), above(0.0);
+            fit: f64, unit("m"), above(0.0);
         }
     }
 }
@@ -809,16 +810,16 @@ tagged! {
         /// A point that shines alike in all directions.
         "point" => Point {
             /// Where it is.
-            position: Vec3, unit("m");
+            position: DVec3, unit("m");
             /// Power per solid angle.
             intensity: Rgb<f32>, unit("W/sr"), min(0.0);
         }
         /// A point that shines into a cone.
         "spot" => Spot {
             /// Where it is.
-            position: Vec3, unit("m");
+            position: DVec3, unit("m");
             /// The point it aims at.
-            at: Vec3, unit("m");
+            at: DVec3, unit("m");
             /// Power per solid angle in the middle of the cone.
             intensity: Rgb<f32>, unit("W/sr"), min(0.0);
             /// Angle between the axis and the rim of the cone.
@@ -836,7 +837,7 @@ tagged! {
         /// A flat parallelogram that shines along `edge_u` x `edge_v`.
         "rectangle" => Rectangle {
             /// Centre.
-            center: Vec3, unit("m");
+            center: DVec3, unit("m");
             /// From the centre to the middle of one side.
             edge_u: Vec3, unit("m"), nonzero();
             /// From the centre to the middle of the next side.
@@ -847,7 +848,7 @@ tagged! {
         /// A flat round disc that shines along its normal.
         "disc" => Disc {
             /// Centre.
-            center: Vec3, unit("m");
+            center: DVec3, unit("m");
             /// The bright side; any length.
             normal: Vec3, nonzero();
             /// Radius.
@@ -858,7 +859,7 @@ tagged! {
         /// A sphere that shines outwards.
         "sphere" => Sphere {
             /// Centre.
-            center: Vec3, unit("m");
+            center: DVec3, unit("m");
             /// Radius.
             radius: f32, unit("m"), above(0.0);
             /// What it emits in every direction.

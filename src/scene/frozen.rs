@@ -6,6 +6,7 @@ use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::description::{Film, GlassShadows, Render};
+use glam::DVec3;
 use std::sync::Arc;
 
 /// A scene without file names: immutable, shared by all threads.
@@ -19,6 +20,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Where pictures are taken from.
     pub camera: Camera,
+    /// What was taken from all coordinates of the scene's files, in metres: zero unless the camera is far from the origin.
+    pub origin: DVec3,
     /// The picture.
     pub film: Film,
     /// How light is followed.

@@ -7,7 +7,7 @@
 use crate::error::Problem;
 use crate::math::Polar;
 use crate::scene::description::{Located, PerAxis, ShapeKey, Step};
-use glam::{DAffine3, DMat3, DQuat, DVec3, Mat4, Vec3};
+use glam::{DAffine3, DMat4, DQuat, DVec3};
 use std::f64::consts::PI;
 
 /// The map of a moving shape as a function of time, invertible at every moment.
@@ -126,27 +126,28 @@ fn ways(from: &ShapeKey, to: &ShapeKey) -> Result<Vec<Way>, Fault> {
 /// The step of the same kind that does nothing.
 fn none(step: &Step) -> Step {
     match step {
-        Step::Scale { .. } => Step::Scale { scale: PerAxis(Vec3::ONE) },
+        Step::Scale { .. } => Step::Scale { scale: PerAxis(DVec3::ONE) },
         Step::Rotate { axis, .. } => Step::Rotate { rotate_deg: 0.0, axis: *axis },
-        Step::Translate { .. } => Step::Translate { translate: Vec3::ZERO },
-        Step::Matrix { .. } => Step::Matrix { matrix: Mat4::IDENTITY.to_cols_array() },
+        Step::Translate { .. } => Step::Translate { translate: DVec3::ZERO },
+        Step::Matrix { .. } => Step::Matrix { matrix: DMat4::IDENTITY.to_cols_array() },
         Step::Fit { fit } => Step::Fit { fit: *fit },
     }
 }
 
 fn map(step: &Step) -> Result<DAffine3, Fault> {
-    Ok(match step {
-        Step::Scale { scale } => DAffine3::from_scale(scale.0.as_dvec3()),
+    map_of(step).ok_or(FIT)
+}
+
+/// The map of a step; none of one that depends on what it carries.
+pub(super) fn map_of(step: &Step) -> Option<DAffine3> {
+    Some(match step {
+        Step::Scale { scale } => DAffine3::from_scale(scale.0),
         Step::Rotate { rotate_deg, axis } => {
-            DAffine3::from_axis_angle(axis.as_dvec3().normalize(), f64::from(*rotate_deg).to_radians())
+            DAffine3::from_axis_angle(axis.normalize(), rotate_deg.to_radians())
         }
-        Step::Translate { translate } => DAffine3::from_translation(translate.as_dvec3()),
-        Step::Matrix { matrix } => {
-            let [x, y, z, _] = Mat4::from_cols_array(matrix).as_dmat4().to_cols_array_2d();
-            let rows = DMat3::from_cols(DVec3::from_slice(&x), DVec3::from_slice(&y), DVec3::from_slice(&z));
-            DAffine3 { matrix3: rows.transpose(), translation: DVec3::new(x[3], y[3], z[3]) }
-        }
-        Step::Fit { .. } => return Err(FIT),
+        Step::Translate { translate } => DAffine3::from_translation(*translate),
+        Step::Matrix { matrix } => DAffine3::from_mat4(DMat4::from_cols_array(matrix).transpose()),
+        Step::Fit { .. } => return None,
     })
 }
 
@@ -158,15 +159,13 @@ fn way(a: &Step, b: &Step) -> Result<Way, Fault> {
     }
     match (a, b) {
         (Step::Scale { scale: a }, Step::Scale { scale: b }) => {
-            let (a, b) = (a.0.as_dvec3(), b.0.as_dvec3());
+            let (a, b) = (a.0, b.0);
             if (a * b).cmplt(DVec3::ZERO).any() { Err(SIGN) } else { Ok(Way::Scale(a, b)) }
         }
-        (Step::Translate { translate: a }, Step::Translate { translate: b }) => {
-            Ok(Way::Translate(a.as_dvec3(), b.as_dvec3()))
-        }
+        (Step::Translate { translate: a }, Step::Translate { translate: b }) => Ok(Way::Translate(*a, *b)),
         (Step::Rotate { rotate_deg: a, axis: u }, Step::Rotate { rotate_deg: b, axis: v }) => {
-            let [a, b] = [a, b].map(|degrees| f64::from(*degrees).to_radians());
-            let [u, v] = [u, v].map(|axis| axis.as_dvec3().normalize());
+            let [a, b] = [a, b].map(|degrees| degrees.to_radians());
+            let [u, v] = [u, v].map(|axis| axis.normalize());
             // A turn by nothing has no axis.
             let u = if a == 0.0 { v } else { u };
             let v = if b == 0.0 { u } else { v };
@@ -224,7 +223,7 @@ mod tests {
         Track::new(&keys.iter().map(key).collect::<Vec<_>>())
     }
 
-    fn turn(rotate_deg: f32, axis: Vec3) -> Step {
+    fn turn(rotate_deg: f64, axis: DVec3) -> Step {
         Step::Rotate { rotate_deg, axis }
     }
 
@@ -234,7 +233,7 @@ mod tests {
 
     #[test]
     fn two_keys_turn_a_shape_right_round() {
-        let z = |angle| turn(angle, Vec3::Z);
+        let z = |angle| turn(angle, DVec3::Z);
         let track = track(&[(1.0, &[z(0.0)]), (3.0, &[z(720.0)])]).expect("a track");
         for i in 0..=64 {
             let part = f64::from(i) / 64.0;
@@ -248,7 +247,7 @@ mod tests {
 
     #[test]
     fn the_nearest_key_holds_outside() {
-        let at = |x| Step::Translate { translate: Vec3::X * x };
+        let at = |x| Step::Translate { translate: DVec3::X * x };
         let track = track(&[(0.0, &[at(1.0)]), (1.0, &[at(3.0)]), (2.0, &[at(-1.0)])]).expect("a track");
         for (time_s, x) in
             [(-1.0, 1.0), (0.0, 1.0), (0.5, 2.0), (1.0, 3.0), (1.25, 2.0), (2.0, -1.0), (9.0, -1.0)]
@@ -259,7 +258,7 @@ mod tests {
 
     #[test]
     fn a_key_without_steps_joins_with_any() {
-        let steps = [Step::Scale { scale: PerAxis(Vec3::splat(3.0)) }, turn(360.0, Vec3::Z)];
+        let steps = [Step::Scale { scale: PerAxis(DVec3::splat(3.0)) }, turn(360.0, DVec3::Z)];
         for (keys, part) in [([(0.0, &steps[..]), (1.0, &[])], 0.75), ([(0.0, &[]), (1.0, &steps[..])], 0.25)]
         {
             let found = x_at(&track(&keys).expect("a track"), part);
@@ -270,9 +269,9 @@ mod tests {
     #[test]
     fn other_axes_and_other_steps_go_the_shorter_way() {
         let steps: [(&[Step], &[Step]); 3] = [
-            (&[turn(20.0, Vec3::Z)], &[turn(-440.0, -Vec3::Z + Vec3::X * 1e-4)]),
-            (&[turn(20.0, Vec3::Z)], &[turn(30.0, Vec3::Z), turn(50.0, Vec3::Z)]),
-            (&[turn(20.0, Vec3::Z)], &[Step::Matrix { matrix: matrix_of_80() }]),
+            (&[turn(20.0, DVec3::Z)], &[turn(-440.0, -DVec3::Z + DVec3::X * 1e-4)]),
+            (&[turn(20.0, DVec3::Z)], &[turn(30.0, DVec3::Z), turn(50.0, DVec3::Z)]),
+            (&[turn(20.0, DVec3::Z)], &[Step::Matrix { matrix: matrix_of_80() }]),
         ];
         for (a, b) in steps {
             let track = track(&[(0.0, a), (1.0, b)]).expect("a track");
@@ -286,26 +285,27 @@ mod tests {
         }
     }
 
-    fn matrix_of_80() -> [f32; 16] {
-        Mat4::from_rotation_z(80.0_f32.to_radians()).transpose().to_cols_array()
+    fn matrix_of_80() -> [f64; 16] {
+        DMat4::from_rotation_z(80.0_f64.to_radians()).transpose().to_cols_array()
     }
 
     #[test]
     fn an_axis_turned_over_turns_backwards() {
-        let track = track(&[(0.0, &[turn(90.0, Vec3::Z)]), (1.0, &[turn(90.0, -Vec3::Z)])]).expect("a track");
+        let track =
+            track(&[(0.0, &[turn(90.0, DVec3::Z)]), (1.0, &[turn(90.0, -DVec3::Z)])]).expect("a track");
         assert!(x_at(&track, 0.5).abs_diff_eq(DVec3::X, 1e-12), "by way of nothing");
     }
 
     #[test]
     fn what_would_be_flat_on_the_way_is_refused() {
-        let scale = |x: f32| Step::Scale { scale: PerAxis(Vec3::new(x, 1.0, 1.0)) };
+        let scale = |x: f64| Step::Scale { scale: PerAxis(DVec3::new(x, 1.0, 1.0)) };
         let fit = Step::Fit { fit: 1.0 };
-        let both = [scale(-1.0), turn(1.0, Vec3::X)];
-        let halves = [turn(180.0, Vec3::X), turn(0.0, Vec3::Y)];
+        let both = [scale(-1.0), turn(1.0, DVec3::X)];
+        let halves = [turn(180.0, DVec3::X), turn(0.0, DVec3::Y)];
         let cases: [(&[Step], &[Step], Fault); 5] = [
             (&[scale(1.0)], &[scale(-1.0)], SIGN),
             (&[scale(1.0)], &both, MIRRORED),
-            (&[turn(0.0, Vec3::Z)], &halves, HALF_TURN),
+            (&[turn(0.0, DVec3::Z)], &halves, HALF_TURN),
             (std::slice::from_ref(&fit), std::slice::from_ref(&fit), FIT),
             (&[scale(1.0)], &[scale(0.0), scale(1.0)], FLAT),
         ];

@@ -31,6 +31,7 @@ use crate::sampling::{SamplerKind, Vertex};
 use crate::scene::Scene;
 use lights::Lights;
 use vertex::{Chunk, Surroundings};
+use wave::Guarded;
 
 /// A path tracer for a scene.
 #[derive(Debug)]
@@ -112,7 +113,8 @@ fn follow<A: Accel, S: Isa, const N: usize>(
             to += shade(isa, chunk);
         }
         wave.paths.rays.len = to;
-        light_up::<A, N>(stage, wave);
+        keep_guard(stage, wave, counters);
+        light_up::<A, N>(stage, wave, counters);
         if to == 0 {
             break;
         }
@@ -127,9 +129,24 @@ fn shade<S: Isa, const N: usize>(isa: S, chunk: Chunk<'_, N>) -> usize {
     isa.run(chunk)
 }
 
+/// Drops what starts from where something stands in the way.
+fn keep_guard<A: Accel>(stage: &Stage<'_, A>, wave: &mut Wave, counters: &mut Counters) {
+    let Wave { paths, shadows, guards, .. } = wave;
+    counters.shadow += guards.0.len() as u64;
+    for (guard, guarded) in guards.0.drain(..) {
+        if stage.accel.occluded(&guard) {
+            match guarded {
+                Guarded::Path(i) => paths.absorb(i, Rgb::BLACK),
+                Guarded::Shadow(i) => shadows.light.scale(i, [0.0; 3]),
+            }
+        }
+    }
+}
+
 /// Traces the rays towards lights, and adds what arrives.
-fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave) {
+fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave, counters: &mut Counters) {
     let Wave { shadows, slots, .. } = wave;
+    counters.shadow += shadows.rays.len as u64;
     let mut packet = RayPacket::<N>::EMPTY;
     for at in (0..shadows.rays.len).step_by(N) {
         let count = (shadows.rays.len - at).min(N);

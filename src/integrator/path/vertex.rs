@@ -2,16 +2,16 @@
 
 use super::lights::Lights;
 use super::met::{Met, WIDEST, hit_of};
-use super::wave::{Paths, Shadows, Slots, Wave};
+use super::wave::{Guarded, Guards, Paths, Shadows, Slots, Wave};
 use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, answer};
 use crate::bsdf::{Lobe, Mix, with_lobe};
 use crate::geometry::{PlacementId, spawn};
-use crate::integrator::shading::Shading;
+use crate::integrator::shading::{Lifted, Shading, lifted};
 use crate::integrator::{Counters, Stage};
 use crate::light::{Emitter, Light, LightId, LightSample, Reference};
 use crate::material::{Material, Media};
-use crate::math::lanes::{Compare, Isa, Kernel, Lanes, MaskLanes, Select};
+use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
@@ -57,7 +57,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
     #[inline(always)]
     fn run(self, isa: S) -> usize {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
-        let Wave { paths, shadows, slots } = wave;
+        let Wave { paths, shadows, guards, slots } = wave;
         let lanes = State::load(isa, paths, at);
         let met = Met::of(isa, around.scene, packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
@@ -84,11 +84,12 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             direction: sampler.get_2d(Dim::LobeDirection, vertex),
         };
         let found = scatter(isa, around.scene, &met, beyond, &question);
-        send_shadows(isa, shadows, (&lanes, &met, &shading), (&light, &question), found.lit, counters);
+        let at = Here { scene: around.scene, packet, lanes: &lanes, met: &met, shading: &shading };
+        send_shadows(isa, (shadows, guards), &at, (&light, &question), found.lit);
         if around.media {
             absorb_shadows(around.scene, shadows, slots);
         }
-        let next = go_on((&lanes, &met, &shading), found.step);
+        let next = go_on(isa, (guards, to), &at, found.step);
         counters.bounced += next.goes.count() as u64;
         if around.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
@@ -170,7 +171,7 @@ fn shine<S: Isa, const N: usize>(
     let mut shining = 0;
     let mut rows = [[0.0; WIDEST]; 3];
     let mut names = [0; WIDEST];
-    crate::math::lanes::IntLanes::store(lanes.slot, &mut names);
+    lanes.slot.store(&mut names);
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
@@ -402,34 +403,70 @@ impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
     }
 }
 
+/// Where the lanes are.
+struct Here<'a, S: Isa, const N: usize> {
+    scene: &'a Scene,
+    packet: &'a Packet<N>,
+    lanes: &'a State<S>,
+    met: &'a Met<S>,
+    shading: &'a Shading<S::F>,
+}
+
+impl<S: Isa, const N: usize> Here<'_, S, N> {
+    /// The ray of a lane that starts from the smooth surface, above the horizon of the shading normal or `below` it.
+    #[inline(always)]
+    fn lifted(&self, lane: usize, d: Vec3<S::F>, below: bool) -> Option<Lifted> {
+        let (n, d) = (self.shading.frame.z.extract(lane), d.extract(lane));
+        lifted_of(self.scene, (self.packet, lane), n.into(), (d.into(), below))
+    }
+}
+
+#[inline(never)]
+fn lifted_of<const N: usize>(
+    scene: &Scene,
+    (packet, lane): (&Packet<N>, usize),
+    n: glam::Vec3,
+    way: (glam::Vec3, bool),
+) -> Option<Lifted> {
+    let it = scene.world.interaction(&packet.ray.get(lane), &hit_of(packet, lane)?);
+    lifted(&it, n, way)
+}
+
 /// Queues the rays towards lights that would matter.
 #[inline(always)]
-fn send_shadows<S: Isa>(
+fn send_shadows<S: Isa, const N: usize>(
     isa: S,
-    shadows: &mut Shadows,
-    (lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>),
+    (shadows, guards): (&mut Shadows, &mut Guards),
+    at: &Here<'_, S, N>,
     (light, question): (&Asked<S>, &Question<S::F>),
     lit: Rgb<S::F>,
-    counters: &mut Counters,
 ) {
+    let (points, lanes) = (&at.met.points, at.lanes);
     let cos = question.light.z;
-    // Light from behind the true surface would leak through it, whatever the interpolated normal says.
-    let faces = light.valid & cos.gt(0.0) & light.wi.dot(shading.ng).gt(0.0) & met.hit;
     let carried = lanes.beta * lit * light.li * (cos / light.pdf);
-    let wanted = faces & !carried.is_black();
+    let wanted = light.valid & cos.gt(0.0) & at.met.hit & !carried.is_black();
     if wanted.none() {
         return;
     }
-    let points = &met.points;
+    let straight = light.wi.dot(at.shading.ng).gt(0.0);
     let d = Vec3::select(light.infinite, light.wi, light.p - points.p);
     let end = S::F::select(light.infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
     let o = spawn::origin(points.p, points.p_error, points.ng, d);
-    let at = shadows.rays.len;
-    shadows.rays.pack(at, wanted, (o, d, lanes.time, lanes.slot));
-    shadows.end.store(at, end.compress(wanted));
-    shadows.light.pack(at, wanted, Vec3::new(carried.r, carried.g, carried.b));
-    shadows.rays.len += wanted.count();
-    counters.shadow += wanted.count() as u64;
+    let (to, sent) = (shadows.rays.len, wanted & straight);
+    shadows.rays.pack(to, sent, (o, d, lanes.time, lanes.slot));
+    shadows.end.store(to, end.compress(sent));
+    shadows.light.pack(to, sent, Vec3::new(carried.r, carried.g, carried.b));
+    shadows.rays.len += sent.count();
+    // The others are below the true surface: they start from the smooth one, or not at all.
+    let mut bits = (wanted & !straight).bits();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let Some(Lifted { ray, guard }) = at.lifted(lane, light.wi, false) else { continue };
+        let ray = if light.infinite.extract(lane) { ray } else { ray.towards(light.p.extract(lane).into()) };
+        guards.0.push((guard, Guarded::Shadow(shadows.rays.len)));
+        shadows.push(&ray, lanes.slot.extract(lane), carried.extract(lane));
+    }
 }
 
 /// Those that go on.
@@ -442,15 +479,50 @@ struct Next<S: Isa> {
 }
 
 #[inline(always)]
-fn go_on<S: Isa>((lanes, met, shading): (&State<S>, &Met<S>, &Shading<S::F>), step: Step<S::F>) -> Next<S> {
-    let d = shading.to_world(step.wi);
-    let below = d.dot(shading.ng).lt(0.0);
-    // Where a bent normal leads to the wrong side, there is no way.
-    let right = !(below ^ step.crosses);
-    let beta = lanes.beta * step.weight;
-    let goes = met.hit & step.valid & right & !beta.is_black();
-    let o = spawn::origin(met.points.p, met.points.p_error, met.points.ng, d);
-    Next { o, d, beta, pdf: step.pdf, goes }
+fn go_on<S: Isa, const N: usize>(
+    isa: S,
+    (guards, to): (&mut Guards, usize),
+    at: &Here<'_, S, N>,
+    step: Step<S::F>,
+) -> Next<S> {
+    let points = &at.met.points;
+    let d = at.shading.to_world(step.wi);
+    let below = d.dot(at.shading.ng).lt(0.0);
+    let beta = at.lanes.beta * step.weight;
+    let wanted = at.met.hit & step.valid & !beta.is_black();
+    let o = spawn::origin(points.p, points.p_error, points.ng, d);
+    let wrong = wanted & (below ^ step.crosses);
+    if wrong.none() {
+        return Next { o, d, beta, pdf: step.pdf, goes: wanted };
+    }
+    // Where the shading normal leads to the wrong side, the way starts from the smooth surface, or there is none.
+    let mut rows = [[0.0; WIDEST]; 3];
+    o.x.store(&mut rows[0]);
+    o.y.store(&mut rows[1]);
+    o.z.store(&mut rows[2]);
+    let (mut bits, mut lost) = (wrong.bits(), 0_u32);
+    let first = guards.0.len();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        match at.lifted(lane, d, step.crosses.extract(lane)) {
+            None => lost |= 1 << lane,
+            Some(Lifted { ray, guard }) => {
+                [rows[0][lane], rows[1][lane], rows[2][lane]] = ray.o.to_array();
+                guards.0.push((guard, Guarded::Path(lane)));
+            }
+        }
+    }
+    // Places are known when it is known who goes.
+    let going = wanted.bits() & !lost;
+    for (_, guarded) in &mut guards.0[first..] {
+        if let Guarded::Path(lane) = guarded {
+            *lane = to + (going & ((1 << *lane) - 1)).count_ones() as usize;
+        }
+    }
+    let o = Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]));
+    let lanes = isa.per_lane(|lane| if going >> lane & 1 == 1 { 1.0 } else { 0.0 });
+    Next { o, d, beta, pdf: step.pdf, goes: lanes.gt(0.0) }
 }
 
 impl<S: Isa> Next<S> {
@@ -466,7 +538,7 @@ impl<S: Isa> Next<S> {
 
 /// The media of those that cross a surface.
 #[inline(always)]
-fn cross<I: crate::math::lanes::IntLanes, const N: usize>(
+fn cross<I: IntLanes, const N: usize>(
     slots: &mut Slots,
     names: I,
     crossing: I::Mask,

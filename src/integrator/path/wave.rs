@@ -128,6 +128,13 @@ impl Rays {
         self.slot.reserve(len);
     }
 
+    fn set(&mut self, at: usize, ray: &Ray, slot: u32) {
+        self.o.set(at, ray.o.into());
+        self.d.set(at, ray.d.into());
+        self.time.0[at] = ray.time;
+        self.slot.0[at] = slot;
+    }
+
     /// Packs the lanes of the mask to `at` and on.
     #[inline(always)]
     pub(super) fn pack<F: Lanes>(
@@ -210,12 +217,34 @@ impl Shadows {
         self.light.reserve(len);
     }
 
+    /// Adds a ray by itself.
+    pub(super) fn push(&mut self, ray: &Ray, slot: u32, light: Rgb<f32>) {
+        let at = self.rays.len;
+        self.rays.set(at, ray, slot);
+        self.end.0[at] = ray.t_max;
+        self.light.set(at, [light.r, light.g, light.b]);
+        self.rays.len += 1;
+    }
+
     /// `N` rays from `at` on.
     #[inline]
     pub(super) fn packet<const N: usize>(&self, at: usize, packet: &mut RayPacket<N>) {
         self.rays.fill(at, packet);
         packet.t_max.copy_from_slice(&self.end.0[at..at + N]);
     }
+}
+
+/// Rays that must be free for others to count: to where those start from a smooth surface that a mesh stands for.
+#[derive(Debug, Default)]
+pub(super) struct Guards(pub(super) Vec<(Ray, Guarded)>);
+
+/// Whose way it is.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Guarded {
+    /// That of a path, by its place.
+    Path(usize),
+    /// That of a ray towards a light, by its place.
+    Shadow(usize),
 }
 
 /// What is known of each camera sample of a batch.
@@ -261,6 +290,7 @@ impl Slots {
 pub struct Wave {
     pub(super) paths: Paths,
     pub(super) shadows: Shadows,
+    pub(super) guards: Guards,
     pub(super) slots: Slots,
 }
 
@@ -285,10 +315,7 @@ impl Wave {
     pub fn push(&mut self, pixel: [u32; 2], index: u32, ray: &Ray, media: Media) {
         let Self { paths, slots, .. } = self;
         let at = paths.rays.len;
-        paths.rays.o.set(at, ray.o.into());
-        paths.rays.d.set(at, ray.d.into());
-        paths.rays.time.0[at] = ray.time;
-        paths.rays.slot.0[at] = u32::try_from(at).unwrap_or(u32::MAX);
+        paths.rays.set(at, ray, u32::try_from(at).unwrap_or(u32::MAX));
         paths.beta.set(at, [1.0; 3]);
         paths.pdf.0[at] = 0.0;
         slots.pixel[0].0[at] = pixel[0];

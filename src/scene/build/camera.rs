@@ -1,7 +1,7 @@
 //! The camera while the shutter is open.
 
 use crate::camera::{Camera, Lens, MovingPinhole, Pinhole, Viewpoint};
-use crate::scene::build::Shutter;
+use crate::scene::build::{Origin, Shutter};
 use crate::scene::description::{self, CameraKey, Located};
 
 /// When the shutter is open.
@@ -11,21 +11,23 @@ pub(super) fn shutter(camera: &description::Camera) -> Shutter {
 }
 
 /// The camera for a film of `size` pixels, still where it does not move while the shutter is open.
-pub(super) fn camera(camera: &description::Camera, size: [u32; 2]) -> Camera {
+pub(super) fn camera(camera: &description::Camera, origin: Origin, size: [u32; 2]) -> Camera {
     let &description::Camera::Perspective { lens_radius, blades, blade_rotation_deg, .. } = camera;
     let lens = Lens::new(lens_radius, blades, blade_rotation_deg.to_radians());
-    stand(camera, lens.is_some(), size).with_lens(lens)
+    stand(camera, lens.is_some(), origin, size).with_lens(lens)
 }
 
 /// The camera without its lens.
-fn stand(camera: &description::Camera, has_lens: bool, size: [u32; 2]) -> Camera {
+fn stand(camera: &description::Camera, has_lens: bool, origin: Origin, size: [u32; 2]) -> Camera {
     let description::Camera::Perspective { from, at, up, vfov_deg, focus_distance, keys, .. } = camera;
     if keys.is_empty() {
-        let pinhole = Pinhole::new([*from, *at, *up], vfov_deg.to_radians(), size);
+        let pinhole =
+            Pinhole::new([origin.place(*from), origin.place(*at), *up], vfov_deg.to_radians(), size);
         return focus_distance.map_or(pinhole, |distance| pinhole.focused(distance)).into();
     }
     let viewpoint = |key: &Located<CameraKey>| {
-        let place = [key.from.unwrap_or(*from), key.at.unwrap_or(*at), key.up.unwrap_or(*up)];
+        let [from, at] = [key.from.unwrap_or(*from), key.at.unwrap_or(*at)].map(|p| origin.place(p));
+        let place = [from, at, key.up.unwrap_or(*up)];
         let own = Viewpoint::new(place, key.vfov_deg.unwrap_or(*vfov_deg).to_radians());
         let focus = key.focus_distance.or(*focus_distance).unwrap_or(own.focus);
         // A focus that nothing depends on must not pass for a movement.

@@ -8,9 +8,10 @@ use crate::light::{
     SphereLight, Spot, spot_cosines,
 };
 use crate::material::{Emission, Material, Scattering};
-use crate::math::{Aabb, Rgb};
-use crate::scene::build::{Builder, forms, number, steps};
+use crate::math::Rgb;
+use crate::scene::build::{Builder, forms, number, steps, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
+use glam::DAffine3;
 use std::path::PathBuf;
 
 impl Builder {
@@ -19,9 +20,11 @@ impl Builder {
         for light in lights {
             match &light.value {
                 &Described::Point { position, intensity } => {
+                    let position = self.origin.place(position);
                     self.add_light(Light::Point(Point { position: position.into(), intensity }));
                 }
                 &Described::Spot { position, at, intensity, angle_deg, softness } => {
+                    let [position, at] = [position, at].map(|p| self.origin.place(p));
                     let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
                     let axis = (at - position).normalize().into();
                     let position = position.into();
@@ -32,12 +35,14 @@ impl Builder {
                     self.add_light(Light::Directional(Directional { direction, irradiance }));
                 }
                 &Described::Rectangle { center, edge_u, edge_v, radiance } => {
+                    let center = self.origin.place(center);
                     let surface = RectangleArea::new(center, edge_u, edge_v);
                     let shining = Light::Rectangle(Area { surface, radiance, two_sided: false });
                     let shape = Shape::Mesh(forms::rectangle(center, edge_u, edge_v));
                     self.add_shining(shape, shining, radiance, &light.place);
                 }
                 &Described::Disc { center, normal, radius, radiance } => {
+                    let center = self.origin.place(center);
                     let normal = normal.normalize();
                     let surface = DiscArea::new(center, normal, radius);
                     let shining = Light::Disc(Area { surface, radiance, two_sided: false });
@@ -45,6 +50,7 @@ impl Builder {
                     self.add_shining(shape, shining, radiance, &light.place);
                 }
                 &Described::Sphere { center, radius, radiance } => {
+                    let center = self.origin.place(center);
                     let shining = Light::Sphere(SphereLight { center: center.into(), radius, radiance });
                     let shape = Shape::Sphere(Sphere { center, radius });
                     self.add_shining(shape, shining, radiance, &light.place);
@@ -77,13 +83,12 @@ impl Builder {
     ) {
         let Some(loaded) = self.mesh_of_file(file, Normals::Flat) else { return };
         let shape = Shape::Mesh(loaded.mesh);
-        let bounds =
-            |map: &glam::Affine3A| forms::moved(&shape, map).map_or(Aabb::EMPTY, |moved| moved.bounds());
-        let map = match steps::transform(transform, bounds) {
-            Ok(map) => map,
+        let own = DAffine3::from_translation(loaded.origin);
+        let map = match steps::transform(transform, |map| steps::extent_of(&shape, &(*map * own))) {
+            Ok(map) => DAffine3::from_translation(-self.origin.0) * map * own,
             Err(problem) => return self.problems.push(problem),
         };
-        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &map) else { return };
+        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else { return };
         let triangles = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
         match MeshArea::new(triangles) {
             Ok(surface) => {

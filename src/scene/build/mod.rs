@@ -8,6 +8,7 @@ mod camera;
 mod forms;
 mod lights;
 mod materials;
+mod origin;
 mod shapes;
 mod shutter;
 mod steps;
@@ -22,6 +23,7 @@ use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
 use crate::scene::description::{Description, GlassShadows};
 use crate::scene::frozen::Surface;
+use origin::Origin;
 use shutter::Shutter;
 use std::sync::Arc;
 
@@ -40,12 +42,13 @@ pub struct Built {
 pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel.into();
-    let mut builder = Builder { shutter, fresnel, ..Builder::default() };
+    let origin = Origin::of(&description.camera);
+    let mut builder = Builder { shutter, origin, fresnel, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
     let film = description.film.clone();
-    let camera = camera::camera(&description.camera, [film.width, film.height]);
+    let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
     let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
     let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
     let scene = Scene {
@@ -53,6 +56,7 @@ pub fn build(description: &Description) -> Result<Built> {
         materials: builder.materials,
         lights: builder.lights,
         camera,
+        origin: origin.0,
         film,
         render: description.render.clone(),
         glass_shadows,
@@ -66,6 +70,7 @@ pub fn build(description: &Description) -> Result<Built> {
 #[derive(Debug, Default)]
 struct Builder {
     shutter: Shutter,
+    origin: Origin,
     world: World,
     surfaces: Vec<Surface>,
     origins: Vec<Place>,

@@ -4,19 +4,20 @@ use crate::error::{Error, Place, Problem};
 use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
-use crate::math::{Aabb, Transform};
 use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, steps};
 use crate::scene::description::{self, Form, Located};
-use crate::scene::load::{LoadedMesh, Shading, load_mesh};
+use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::track::Track;
-use glam::Affine3A;
+use glam::{DAffine3, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 /// A described shape, made.
 struct Made {
     shape: Shape,
+    /// What its coordinates count from.
+    origin: DVec3,
     /// A material per group.
     materials: Vec<MaterialId>,
 }
@@ -65,8 +66,10 @@ impl Builder {
         described: &Located<description::Shape>,
         is_prototype: bool,
     ) -> Option<Prototype> {
-        let Made { shape, materials } = self.make(described)?;
-        let way = self.carried(described, &shape, Way::default())?;
+        let Made { shape, origin, materials } = self.make(described)?;
+        let mut way = Way::default();
+        way.carry(DAffine3::from_translation(origin));
+        let way = self.carried(described, &shape, way)?;
         if described.hidden {
             let shape = self.world.add_shape(shape);
             return Some(Prototype { shape, materials, way });
@@ -120,7 +123,8 @@ impl Builder {
     /// The way of a shape that has come `way` already, with what its own `transform` and `keys` add.
     fn carried(&mut self, described: &description::Shape, shape: &Shape, mut way: Way) -> Option<Way> {
         let before = way.at_rest();
-        let map = steps::transform(&described.transform, |so_far| bounds_of(shape, &(*so_far * before)));
+        let map =
+            steps::transform(&described.transform, |so_far| steps::extent_of(shape, &(*so_far * before)));
         let track = if described.keys.is_empty() { Ok(None) } else { Track::new(&described.keys).map(Some) };
         match (map, track) {
             (Ok(map), Ok(track)) => {
@@ -140,6 +144,8 @@ impl Builder {
 
     /// Where a shape on its way is while the shutter is open.
     fn placed(&mut self, way: &Way, shape: &Shape, place: &Place) -> Option<Placed> {
+        let mut way = way.clone();
+        way.carry(DAffine3::from_translation(-self.origin.0));
         match way.during(self.shutter, shape.bounds(), place) {
             Ok((placed, warning)) => {
                 self.warnings.extend(warning);
@@ -154,25 +160,27 @@ impl Builder {
 
     fn make(&mut self, described: &Located<description::Shape>) -> Option<Made> {
         let own = described.material.as_ref().and_then(|name| self.material_named(&name.value));
+        if let &Form::Mesh { ref file, normals, crease_deg } = &described.form {
+            return self.mesh(file, Shading { normals, crease_deg }, own);
+        }
+        let origin = self.origin.own(middle(&described.form));
+        let local = |p: DVec3| (p - origin).as_vec3();
         let shape = match &described.form {
-            &Form::Mesh { ref file, normals, crease_deg } => {
-                return self.mesh(file, Shading { normals, crease_deg }, own);
-            }
-            &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center, radius }),
+            &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center: local(center), radius }),
             &Form::Disc { center, normal, radius } => {
-                Shape::Disc(Disc { center, normal: normal.normalize(), radius })
+                Shape::Disc(Disc { center: local(center), normal: normal.normalize(), radius })
             }
             &Form::Rectangle { center, edge_u, edge_v } => {
-                Shape::Mesh(forms::rectangle(center, edge_u, edge_v))
+                Shape::Mesh(forms::rectangle(local(center), edge_u, edge_v))
             }
-            &Form::Box { min, max } => Shape::Mesh(forms::cuboid(min, max)),
+            &Form::Box { min, max } => Shape::Mesh(forms::cuboid(local(min), local(max))),
             form @ (Form::Cylinder { .. } | Form::Cone { .. } | Form::Torus { .. }) => {
-                self.surface_of(form, &described.place)?
+                self.surface_of(form, origin, &described.place)?
             }
-            form @ Form::HeightField { .. } => self.height_field(form)?,
-            Form::Instance { .. } => return None,
+            form @ Form::HeightField { .. } => self.height_field(form, origin)?,
+            Form::Mesh { .. } | Form::Instance { .. } => return None,
         };
-        Some(Made { shape, materials: vec![own?] })
+        Some(Made { shape, origin, materials: vec![own?] })
     }
 
     /// The mesh of a file, in the material `own` or those that the file brings.
@@ -181,7 +189,8 @@ impl Builder {
         file: &Located<PathBuf>,
         shading: impl Into<Shading>,
     ) -> Option<LoadedMesh> {
-        match load_mesh(&file.value, shading) {
+        let about = if self.origin.is_moved() { About::Middle } else { About::Needed };
+        match load_mesh_about(&file.value, shading, about) {
             Ok(mut loaded) => {
                 self.warnings.append(&mut loaded.warnings);
                 Some(loaded)
@@ -209,7 +218,7 @@ impl Builder {
             Some(id) => vec![id; groups],
             None => loaded.materials.iter().map(|named| self.material_of_file(named)).collect(),
         };
-        Some(Made { shape: Shape::Mesh(loaded.mesh), materials })
+        Some(Made { shape: Shape::Mesh(loaded.mesh), origin: loaded.origin, materials })
     }
 
     fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {
@@ -288,13 +297,16 @@ fn root_of<'a>(by_name: &HashMap<&'a str, &'a Located<description::Shape>>, name
     name
 }
 
-/// The box of a shape under a map; exact for meshes.
-fn bounds_of(shape: &Shape, map: &Affine3A) -> Aabb {
-    match shape {
-        Shape::Mesh(mesh) => {
-            let used = mesh.triangles().iter().flatten();
-            Aabb::around(used.map(|&i| map.transform_point3(mesh.positions()[i as usize])))
-        }
-        _ => Transform::new(*map).map_or(Aabb::EMPTY, |t| t.aabb(shape.bounds())),
+/// A point in the middle of a form, or at one of its ends.
+fn middle(form: &Form) -> DVec3 {
+    match *form {
+        Form::Sphere { center, .. }
+        | Form::Disc { center, .. }
+        | Form::Rectangle { center, .. }
+        | Form::Torus { center, .. }
+        | Form::HeightField { center, .. } => center,
+        Form::Box { min, max } => (min + max) * 0.5,
+        Form::Cylinder { from, .. } | Form::Cone { from, .. } => from,
+        Form::Mesh { .. } | Form::Instance { .. } => DVec3::ZERO,
     }
 }

@@ -5,22 +5,24 @@ use crate::geometry::{Frustum, HeightField, Shape, Surface, Torus};
 use crate::image;
 use crate::scene::build::Builder;
 use crate::scene::description::{Form, HeightNormals, Located};
-use glam::Vec2;
+use glam::{DVec3, Vec2};
 use std::path::PathBuf;
 use std::sync::Arc;
 
 impl Builder {
-    /// A cylinder, a cone or a torus.
-    pub(super) fn surface_of(&mut self, form: &Form, place: &Place) -> Option<Shape> {
+    /// A cylinder, a cone or a torus, counted from `origin`.
+    pub(super) fn surface_of(&mut self, form: &Form, origin: DVec3, place: &Place) -> Option<Shape> {
+        let local = |p: DVec3| (p - origin).as_vec3();
         let surface: Option<Arc<dyn Surface>> = match *form {
             Form::Cylinder { from, to, radius, caps } => {
-                Frustum::cylinder(from, to, radius, caps).map(|made| Arc::new(made) as _)
+                Frustum::cylinder(local(from), local(to), radius, caps).map(|made| Arc::new(made) as _)
             }
             Form::Cone { from, to, radius, end_radius, caps } => {
-                Frustum::new(from, to, [radius, end_radius], caps).map(|made| Arc::new(made) as _)
+                Frustum::new(local(from), local(to), [radius, end_radius], caps)
+                    .map(|made| Arc::new(made) as _)
             }
             Form::Torus { center, axis, major_radius, minor_radius } => {
-                Torus::new(center, axis, major_radius, minor_radius).map(|made| Arc::new(made) as _)
+                Torus::new(local(center), axis, major_radius, minor_radius).map(|made| Arc::new(made) as _)
             }
             _ => None,
         };
@@ -31,12 +33,12 @@ impl Builder {
         surface.map(Shape::Surface)
     }
 
-    /// The mesh of a height field.
-    pub(super) fn height_field(&mut self, form: &Form) -> Option<Shape> {
+    /// The mesh of a height field, counted from `origin`.
+    pub(super) fn height_field(&mut self, form: &Form, origin: DVec3) -> Option<Shape> {
         let Form::HeightField { file, center, size, height, normals } = form else { return None };
         let field = self.heights_of_file(file, *height)?;
         let smooth = *normals == HeightNormals::Smooth;
-        Some(Shape::Mesh(field.mesh(*center, Vec2::from(*size), smooth)))
+        Some(Shape::Mesh(field.mesh((*center - origin).as_vec3(), Vec2::from(*size), smooth)))
     }
 
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {

@@ -35,7 +35,7 @@ pub(super) struct Way {
 
 #[derive(Clone, Debug)]
 enum Link {
-    Still(Affine3A),
+    Still(DAffine3),
     Moving(Arc<Track>),
 }
 
@@ -59,7 +59,7 @@ impl From<Placed> for Pose {
 
 impl Way {
     /// Goes on by a map that is the same at all times.
-    pub(super) fn carry(&mut self, map: Affine3A) {
+    pub(super) fn carry(&mut self, map: DAffine3) {
         match self.links.last_mut() {
             Some(Link::Still(last)) => *last = map * *last,
             _ => self.links.push(Link::Still(map)),
@@ -72,14 +72,14 @@ impl Way {
     }
 
     /// The map before anything moves: what sizes are taken from.
-    pub(super) fn at_rest(&self) -> Affine3A {
-        self.still().unwrap_or_else(|| single(&self.at(f64::NEG_INFINITY)))
+    pub(super) fn at_rest(&self) -> DAffine3 {
+        self.still().unwrap_or_else(|| self.at(f64::NEG_INFINITY))
     }
 
     /// The map, if it is the same at all times.
-    fn still(&self) -> Option<Affine3A> {
+    fn still(&self) -> Option<DAffine3> {
         match self.links[..] {
-            [] => Some(Affine3A::IDENTITY),
+            [] => Some(DAffine3::IDENTITY),
             [Link::Still(map)] => Some(map),
             _ => None,
         }
@@ -87,7 +87,7 @@ impl Way {
 
     fn at(&self, time_s: f64) -> DAffine3 {
         self.links.iter().fold(DAffine3::IDENTITY, |so_far, link| match link {
-            Link::Still(map) => double(map) * so_far,
+            Link::Still(map) => *map * so_far,
             Link::Moving(track) => track.at(time_s) * so_far,
         })
     }
@@ -107,7 +107,7 @@ impl Way {
         place: &Place,
     ) -> Result<(Placed, Option<Problem>), Problem> {
         if let Some(map) = self.still() {
-            return Ok((Placed::Still(map), None));
+            return Ok((Placed::Still(single(&map)), None));
         }
         if !shutter.is_open() {
             return self.resting(shutter.open_s, place).map(|placed| (placed, None));
@@ -233,11 +233,8 @@ impl Followed<'_> {
     }
 }
 
-fn double(map: &Affine3A) -> DAffine3 {
-    DAffine3 { matrix3: map.matrix3.as_dmat3(), translation: glam::Vec3::from(map.translation).as_dvec3() }
-}
-
-fn single(map: &DAffine3) -> Affine3A {
+/// A map rounded to single precision.
+pub(super) fn single(map: &DAffine3) -> Affine3A {
     Affine3A { matrix3: map.matrix3.as_mat3().into(), translation: map.translation.as_vec3().into() }
 }
 
@@ -259,7 +256,7 @@ mod tests {
         };
         let keys: Vec<_> = keys.iter().map(key).collect();
         let mut way = Way::default();
-        way.carry(Affine3A::from_translation(Vec3::new(0.3, 0.1, -0.2)));
+        way.carry(DAffine3::from_translation(DVec3::new(0.3, 0.1, -0.2)));
         way.follow(Track::new(&keys).expect("a track"));
         way
     }
@@ -268,9 +265,9 @@ mod tests {
         way.during(Shutter { open_s, close_s }, BOX, &Place::file("a.toml"))
     }
 
-    fn turn(degrees: f32) -> [Step; 2] {
-        let axis = Vec3::new(0.2, 1.0, 0.3);
-        [Step::Rotate { rotate_deg: degrees, axis }, Step::Translate { translate: Vec3::X * degrees * 0.01 }]
+    fn turn(degrees: f64) -> [Step; 2] {
+        let axis = DVec3::new(0.2, 1.0, 0.3);
+        [Step::Rotate { rotate_deg: degrees, axis }, Step::Translate { translate: DVec3::X * degrees * 0.01 }]
     }
 
     /// How far the motion is from the way, by single precision, in diagonals.
@@ -311,7 +308,7 @@ mod tests {
 
     #[test]
     fn straight_ways_take_a_step_for_each_key() {
-        let at = |x: f32| [Step::Translate { translate: Vec3::X * x }];
+        let at = |x: f64| [Step::Translate { translate: DVec3::X * x }];
         let [a, b, c] = [0.0, 20.0, -300.0].map(at);
         let way = way(&[(0.0, &a), (0.5, &b), (1.0, &c)]);
         let keys = |open_s, close_s| match during(&way, open_s, close_s).expect("a way") {
@@ -329,7 +326,7 @@ mod tests {
 
     #[test]
     fn what_is_too_fast_is_told() {
-        let spun = |turns: f32| {
+        let spun = |turns: f64| {
             let (none, all) = (turn(0.0), turn(360.0 * turns));
             during(&way(&[(0.0, &none), (1.0, &all)]), 0.0, 1.0)
                 .map(|(_, warning)| warning.map(|w| w.to_string()))

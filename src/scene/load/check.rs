@@ -5,7 +5,7 @@ use crate::camera::Viewpoint;
 use crate::scene::description::{Camera, CameraKey, Form, Light, Scattering, Shape, Step};
 use crate::scene::load::decode::Fields;
 use crate::scene::track;
-use glam::{Mat3, Vec3, Vec4};
+use glam::{DMat3, DVec3, DVec4, Vec3};
 use std::f32::consts::PI;
 
 /// Sine of the least angle between directions that count as different. Smaller accepts frames whose axes are mostly
@@ -22,7 +22,7 @@ fn parallel(a: Vec3, b: Vec3) -> bool {
 /// shutter opens before it closes.
 pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
     let Camera::Perspective { from, at, up, blades, shutter_open_s, shutter_close_s, keys, .. } = camera;
-    if let Some((key, what, remedy)) = view_fault([*from, *at, *up]) {
+    if let Some((key, what, remedy)) = view_fault((*from, *at, *up)) {
         fields.problem(key, what, remedy);
     }
     if (1..3).contains(blades) {
@@ -39,13 +39,16 @@ pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
     if !fields.is_whole("keys", keys) {
         return;
     }
-    let view = |key: &CameraKey| [key.from.unwrap_or(*from), key.at.unwrap_or(*at), key.up.unwrap_or(*up)];
+    let view = |key: &CameraKey| (key.from.unwrap_or(*from), key.at.unwrap_or(*at), key.up.unwrap_or(*up));
     for (i, key) in keys.iter().enumerate() {
         if let Some((name, what, remedy)) = view_fault(view(key)) {
             fields.problem_in(("keys", i, name), what, remedy);
         }
     }
-    let turned = |key: &CameraKey| Viewpoint::new(view(key), 1.0).rotation;
+    let turned = |key: &CameraKey| {
+        let (from, at, up) = view(key);
+        Viewpoint::new([Vec3::ZERO, (at - from).as_vec3(), up], 1.0).rotation
+    };
     for (i, pair) in keys.windows(2).enumerate() {
         let sound = pair.iter().all(|key| view_fault(view(key)).is_none());
         if sound && PI - turned(&pair[0]).angle_between(turned(&pair[1])) < UNDECIDED {
@@ -56,12 +59,19 @@ pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
     }
 }
 
+/// Where a camera stands, where it looks, and what is up.
+type View = (DVec3, DVec3, Vec3);
+
 /// What is wrong with where a camera stands, where it looks and what is up: the key that says so, and what to do.
-fn view_fault([from, at, up]: [Vec3; 3]) -> Option<(&'static str, &'static str, &'static str)> {
+fn view_fault((from, at, up): View) -> Option<(&'static str, &'static str, &'static str)> {
     if from == at {
         return Some(("at", "`at` is where the camera stands", "give another point to look at"));
     }
-    parallel(at - from, up).then_some(("up", "`up` points along the view", "give another direction"))
+    parallel((at - from).as_vec3(), up).then_some((
+        "up",
+        "`up` points along the view",
+        "give another direction",
+    ))
 }
 
 /// The least angle that the turn of a camera may lack of half a turn: less, and rounding chooses the way round.
@@ -161,12 +171,12 @@ fn edges(edge_u: Vec3, edge_v: Vec3, fields: &mut Fields<'_>) {
 /// Steps can be undone.
 pub(crate) fn step(step: &Step, fields: &mut Fields<'_>) {
     match *step {
-        Step::Scale { scale } if scale.0.cmpeq(Vec3::ZERO).any() => {
+        Step::Scale { scale } if scale.0.as_vec3().cmpeq(Vec3::ZERO).any() => {
             fields.problem("scale", "`scale` is zero", "give factors other than zero");
         }
         Step::Matrix { matrix: [a, b, c, _, d, e, f, _, g, h, i, _, last @ ..] } => {
-            let linear = Mat3::from_cols_array(&[a, d, g, b, e, h, c, f, i]);
-            if Vec4::from(last) != Vec4::W {
+            let linear = DMat3::from_cols_array(&[a, d, g, b, e, h, c, f, i]);
+            if DVec4::from(last) != DVec4::W {
                 let remedy = "give the matrix row by row; the last row must be 0, 0, 0, 1";
                 fields.problem("matrix", "`matrix` is not affine", remedy);
             } else if linear.determinant() == 0.0 {

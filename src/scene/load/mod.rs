@@ -28,7 +28,7 @@ use crate::math::Rgb;
 use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
-pub use mesh::{EXTENSIONS, LoadedMesh, Shading, load_mesh};
+pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
 use report::Report;
 use std::path::Path;
 

@@ -7,7 +7,7 @@ use crate::scene::load::report::Report;
 use crate::scene::load::{files, words};
 use crate::scene::record::{Choice, Rules, Table, Value};
 use crate::scene::schema;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Map, Value as Json, json};
 use std::path::{Path, PathBuf};
 
@@ -19,22 +19,12 @@ fn mismatch<T: Value>(node: &Node, key: &str, found: &str, rules: &Rules, report
 
 impl Value for f32 {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
-        let exact = match node.content {
-            Content::Integer(value) => value as f64,
-            Content::Float(value) => value,
-            _ => return mismatch(node, key, node.kind(), rules, report),
-        };
-        #[expect(clippy::cast_possible_truncation, reason = "what overflows is refused below")]
-        let value = exact as Self;
+        let exact = real::<Self>(node, key, rules, report)?;
+        let value = single(exact);
         if value.is_finite() && rules.allow(value.into()) {
             return Some(value);
         }
-        let found = match (exact.is_finite(), value.is_finite()) {
-            (true, false) => format!("{exact:e}, too large for single precision"),
-            _ if exact != 0.0 && exact.abs() < 1e-4 => format!("{exact:e}"),
-            _ => exact.to_string(),
-        };
-        mismatch(node, key, &found, rules, report)
+        mismatch(node, key, &said(exact), rules, report)
     }
 
     fn expects(rules: &Rules) -> String {
@@ -51,18 +41,42 @@ impl Value for f32 {
     }
 }
 
-/// Moments, which may be far from zero and yet close to each other.
+/// A number of any kind.
+fn real<T: Value>(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<f64> {
+    match node.content {
+        Content::Integer(value) => Some(value as f64),
+        Content::Float(value) => Some(value),
+        _ => {
+            mismatch::<T>(node, key, node.kind(), rules, report);
+            None
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "what overflows is refused by those who ask")]
+fn single(exact: f64) -> f32 {
+    exact as f32
+}
+
+/// A number that is refused, in words.
+fn said(exact: f64) -> String {
+    match (exact.is_finite(), single(exact).is_finite()) {
+        (true, false) => format!("{exact:e}, too large for single precision"),
+        _ if exact != 0.0 && exact.abs() < 1e-4 => format!("{exact:e}"),
+        _ => exact.to_string(),
+    }
+}
+
+/// Moments, places and what carries there: they may be far from zero and yet close to each other. Rounded in the end, they must
+/// fit into single precision.
 impl Value for f64 {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
-        let value = match node.content {
-            Content::Integer(value) => value as Self,
-            Content::Float(value) => value,
-            _ => return mismatch(node, key, node.kind(), rules, report),
-        };
-        if value.is_finite() && rules.allow(value) {
+        let value = real::<Self>(node, key, rules, report)?;
+        let rounded = single(value);
+        if rounded.is_finite() && rules.allow(rounded.into()) {
             return Some(value);
         }
-        mismatch(node, key, &value.to_string(), rules, report)
+        mismatch(node, key, &said(value), rules, report)
     }
 
     fn expects(rules: &Rules) -> String {
@@ -264,27 +278,54 @@ impl Value for Vec3 {
     }
 }
 
+impl Value for DVec3 {
+    fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
+        items::<Self>(node, 3, key, rules, report)?;
+        let v = Self::from(<[f64; 3]>::decode(node, key, rules, report)?);
+        if rules.nonzero && v.as_vec3() == Vec3::ZERO {
+            return mismatch(node, key, "zero", rules, report);
+        }
+        Some(v)
+    }
+
+    fn expects(rules: &Rules) -> String {
+        Vec3::expects(rules)
+    }
+
+    fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
+        Vec3::schema(rules, definitions)
+    }
+
+    fn to_json(&self) -> Json {
+        self.to_array().to_json()
+    }
+}
+
 /// The three numbers of a `T`, for which one number may stand.
-fn one_or_three<T: Value>(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<[f32; 3]> {
+fn one_or_three<T: Value, N: Value + Copy>(
+    node: &Node,
+    key: &str,
+    rules: &Rules,
+    report: &mut Report,
+) -> Option<[N; 3]> {
     if let Content::Integer(_) | Content::Float(_) = node.content {
-        return f32::decode(node, key, rules, report).map(|x| [x; 3]);
+        return N::decode(node, key, rules, report).map(|x| [x; 3]);
     }
     items::<T>(node, 3, key, rules, report)?;
-    <[f32; 3]>::decode(node, key, rules, report)
+    <[N; 3]>::decode(node, key, rules, report)
 }
 
 fn one_or_three_schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
     json!({ "anyOf": [f32::schema(rules, definitions), <[f32; 3]>::schema(rules, definitions)] })
 }
 
-#[expect(clippy::float_cmp, reason = "only equal numbers are written once")]
-fn one_or_three_json([x, y, z]: [f32; 3]) -> Json {
+fn one_or_three_json<N: Value + PartialEq>([x, y, z]: [N; 3]) -> Json {
     if x == y && y == z { x.to_json() } else { [x, y, z].to_json() }
 }
 
 impl Value for PerAxis {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
-        one_or_three::<Self>(node, key, rules, report).map(|v| Self(v.into()))
+        one_or_three::<Self, f64>(node, key, rules, report).map(|v| Self(v.into()))
     }
 
     fn expects(rules: &Rules) -> String {
@@ -296,7 +337,7 @@ impl Value for PerAxis {
     }
 
     fn to_json(&self) -> Json {
-        one_or_three_json(self.0.into())
+        one_or_three_json(self.0.to_array())
     }
 }
 
@@ -325,7 +366,7 @@ impl Value for PerTangent {
 
 impl Value for Rgb<f32> {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
-        one_or_three::<Self>(node, key, rules, report).map(|[r, g, b]| Self::new(r, g, b))
+        one_or_three::<Self, f32>(node, key, rules, report).map(|[r, g, b]| Self::new(r, g, b))
     }
 
     fn expects(rules: &Rules) -> String {

@@ -3,6 +3,7 @@
 //! A format gives polygons; here they are cut (`polygon`), those without area are dropped and counted (`cutter`), and
 //! vertices and triangles become a mesh with the normals asked for (`parts`, `normals`).
 
+mod about;
 mod cutter;
 mod grid;
 mod normals;
@@ -15,15 +16,19 @@ use super::ply::load_ply;
 use crate::error::{Place, Problem, Result};
 use crate::geometry::Mesh;
 use crate::scene::description::{Material, Named, Normals};
+pub(super) use about::positions;
 pub(super) use cutter::Cutter;
+use glam::DVec3;
 pub(super) use parts::Parts;
 use std::path::Path;
 
 /// A mesh as its file says.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadedMesh {
-    /// The triangles, in one group per material.
+    /// The triangles, in one group per material; positions count from `origin`.
     pub mesh: Mesh,
+    /// What was taken from all positions of the file, in double precision.
+    pub origin: DVec3,
     /// A material for each group; none where the file speaks of no material.
     pub materials: Vec<Named<Material>>,
     /// What was left out or put right.
@@ -46,6 +51,17 @@ impl From<Normals> for Shading {
     }
 }
 
+/// Where positions of a mesh are counted from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum About {
+    /// From the origin of the file, unless its vertices are so far from there that single precision would lose their form
+    /// ([`recentre::FAR`](crate::math::recentre::FAR)).
+    #[default]
+    Needed,
+    /// From a point near the middle of its vertices.
+    Middle,
+}
+
 /// Extensions of the files that [`load_mesh`] reads, in lower case.
 pub const EXTENSIONS: &[&str] = &["obj", "ply"];
 
@@ -54,10 +70,15 @@ pub const EXTENSIONS: &[&str] = &["obj", "ply"];
 /// Triangles without area are left out, with a warning. Fails, naming the place, on whatever the file refers to and does
 /// not have, on coordinates that are not finite or beyond [`Mesh::MAX_COORDINATE`], and on files without a triangle.
 pub fn load_mesh(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
+    load_mesh_about(path, shading, About::Needed)
+}
+
+/// The same with positions counted from where `about` says.
+pub fn load_mesh_about(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
     match extension.to_lowercase().as_str() {
-        "obj" => load_obj(path, shading),
-        "ply" => load_ply(path, shading),
+        "obj" => load_obj(path, shading, about),
+        "ply" => load_ply(path, shading, about),
         _ => {
             let problem = Problem::at(Place::file(path), "this is no mesh of a known format");
             Err(problem.remedy("its name must end in .obj or .ply").into())

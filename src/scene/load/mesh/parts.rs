@@ -5,12 +5,14 @@ use super::{LoadedMesh, Shading};
 use crate::error::{Place, Problem};
 use crate::geometry::{Mesh, MeshError};
 use crate::scene::description::Normals;
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// Vertices and triangles as a file gives them.
 #[derive(Debug, Default)]
 pub(in crate::scene::load) struct Parts {
+    /// Where positions count from in the file.
+    pub(in crate::scene::load) origin: DVec3,
     /// Where vertices are.
     pub(in crate::scene::load) positions: Vec<Vec3>,
     /// Their shading normals by the file, zero where it gives none.
@@ -31,8 +33,9 @@ impl Parts {
         path: &Path,
         warnings: Vec<Problem>,
     ) -> Result<LoadedMesh, Problem> {
+        let origin = self.origin;
         let mesh = self.mesh(shading).map_err(|error| Problem::at(Place::file(path), error.to_string()))?;
-        Ok(LoadedMesh { mesh, materials: vec![], warnings })
+        Ok(LoadedMesh { mesh, origin, materials: vec![], warnings })
     }
 
     fn mesh(mut self, shading: Shading) -> Result<Mesh, MeshError> {

@@ -14,7 +14,7 @@ mod polygons;
 mod text;
 mod vertices;
 
-use super::mesh::{Cutter, LoadedMesh, Parts, Shading, no_triangle};
+use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, no_triangle};
 use crate::error::{Error, Place, Problem, Result};
 use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
 use glam::Vec2;
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 use vertices::Vertices;
 
 /// The triangles of an OBJ file, as [`load_mesh`](super::load_mesh) gives them.
-pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
+pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
     let shading = shading.into();
     let text = text::read(path, "cannot read the mesh")?;
     let outline = Outline::of(&text);
@@ -34,7 +34,7 @@ pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>) -> Result<Loade
     for (what, line, count) in &outline.ignored {
         warnings.push(Problem::at(place(*line), format!("{what} are ignored, {count} in all")));
     }
-    let polygons = Polygons::read(&text, &outline, path, &mut warnings).map_err(Error::Input)?;
+    let polygons = Polygons::read((&text, &outline), about, path, &mut warnings).map_err(Error::Input)?;
     let triangles = Triangles::of(&polygons, shading.normals);
     warnings.extend(triangles.cutter.warning(path));
     if triangles.indices.is_empty() {
@@ -46,6 +46,12 @@ pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>) -> Result<Loade
     let materials = materials(&outline, &triangles.groups, path, &mut warnings);
     let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
     Ok(LoadedMesh { materials, ..loaded })
+}
+
+/// A number of tobj in single precision: it reads in double precision because positions need it.
+#[expect(clippy::cast_possible_truncation, reason = "colours and texture coordinates are single precision")]
+fn single(number: f64) -> f32 {
+    number as f32
 }
 
 /// Triangles whose corners have one index each.
@@ -101,6 +107,7 @@ impl Triangles {
         let uv = |corner: &Corner| corner.uv.map_or(Vec2::ZERO, |i| polygons.uvs[i as usize]);
         let any_uv = corners.iter().any(|corner| corner.uv.is_some());
         Parts {
+            origin: polygons.origin,
             positions: corners.iter().map(|c| polygons.positions[c.position as usize]).collect(),
             normals: vertices::file_normals(polygons, corners),
             uvs: any_uv.then(|| corners.iter().map(uv).collect()),

@@ -26,6 +26,7 @@
 //! textures are not read.
 
 use super::outline::keyword;
+use super::single;
 use crate::error::{Place, Problem};
 use crate::math::Rgb;
 use crate::scene::description::{Material, Optics, Scattering, Texture};
@@ -112,7 +113,7 @@ impl Statements {
 }
 
 fn understand(said: &tobj::Material) -> Material {
-    let [r, g, b] = said.emissive.unwrap_or_default().map(|x| x.max(0.0));
+    let [r, g, b] = said.emissive.unwrap_or_default().map(|x| single(x).max(0.0));
     let radiance = Rgb::new(r, g, b);
     let scattering = scattering(said);
     let matt = matches!(scattering, Scattering::Diffuse { .. });
@@ -123,9 +124,9 @@ fn understand(said: &tobj::Material) -> Material {
 }
 
 fn scattering(said: &tobj::Material) -> Scattering {
-    let kd = rgb(said.diffuse.unwrap_or([0.5; 3]));
+    let kd = said.diffuse.map_or(Rgb::gray(0.5), rgb);
     let ks = said.specular.filter(|ks| ks.iter().any(|&x| x > 0.0)).map(rgb);
-    let exponent = said.shininess.filter(|&ns| ns > 0.0).map(|ns| ns.min(1e9));
+    let exponent = said.shininess.filter(|&ns| ns > 0.0).map(|ns| single(ns).min(1e9));
     let mirror = matches!(said.illumination_model, Some(3 | 5 | 8));
     let highlight = !matches!(said.illumination_model, Some(0 | 1));
     if is_clear(said) {
@@ -147,7 +148,8 @@ fn extended(said: &tobj::Material, kd: Rgb<f32>) -> Option<Scattering> {
     let part = |keyword| Some(unknown(said, keyword).and_then(number)?.clamp(0.0, 1.0));
     let alpha = part("Pr").map(|roughness| roughness * roughness);
     if part("Pm").is_some_and(|metal| metal >= 0.5) {
-        let of_exponent = said.shininess.filter(|&ns| ns > 0.0).map_or(0.0, |ns| (2.0 / (ns + 2.0)).sqrt());
+        let of_exponent =
+            said.shininess.filter(|&ns| ns > 0.0).map_or(0.0, |ns| single((2.0 / (ns + 2.0)).sqrt()));
         let optics = Optics::Artist { reflectance: kd, edge_tint: Rgb::WHITE };
         return Some(Scattering::metal(alpha.unwrap_or(of_exponent), optics));
     }
@@ -165,7 +167,7 @@ fn extended(said: &tobj::Material, kd: Rgb<f32>) -> Option<Scattering> {
 fn is_clear(said: &tobj::Material) -> bool {
     let tinted = |tf: [f32; 3]| tf.iter().any(|&x| x > 0.0) && tf.iter().any(|&x| x < 1.0);
     let refracts = said.optical_density.is_some_and(|ni| ni > 1.0);
-    let dissolve = said.dissolve.or_else(|| Some(1.0 - unknown(said, "Tr").and_then(number)?));
+    let dissolve = said.dissolve.map(single).or_else(|| Some(1.0 - unknown(said, "Tr").and_then(number)?));
     dissolve.is_some_and(|d| d > 0.0 && d < 1.0)
         || (refracts && matches!(said.illumination_model, Some(4..=7 | 9)))
         || (refracts && unknown(said, "Tf").and_then(color).is_some_and(tinted))
@@ -173,7 +175,7 @@ fn is_clear(said: &tobj::Material) -> bool {
 
 /// The index of refraction, that of glass where none above 1 is given.
 fn ior(said: &tobj::Material) -> f32 {
-    said.optical_density.filter(|&ni| ni > 1.0).map_or(1.5, |ni| ni.min(10.0))
+    said.optical_density.filter(|&ni| ni > 1.0).map_or(1.5, |ni| single(ni).min(10.0))
 }
 
 /// What follows a keyword that tobj does not know.
@@ -181,8 +183,8 @@ fn unknown<'a>(said: &'a tobj::Material, keyword: &str) -> Option<&'a str> {
     said.unknown_param.get(keyword).map(String::as_str)
 }
 
-fn rgb(color: [f32; 3]) -> Rgb<f32> {
-    color.map(|x| x.clamp(0.0, 1.0)).into()
+fn rgb(color: [f64; 3]) -> Rgb<f32> {
+    color.map(|x| single(x).clamp(0.0, 1.0)).into()
 }
 
 /// One finite number.

@@ -2,14 +2,18 @@
 
 use super::faults;
 use super::outline::Outline;
+use super::single;
 use crate::error::{Place, Problem, Problems};
 use crate::geometry::Mesh;
-use glam::{Vec2, Vec3};
+use crate::scene::load::mesh::{About, positions};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// Polygons whose corners have an index per attribute.
 #[derive(Debug)]
 pub(super) struct Polygons {
+    /// Where positions count from in the file.
+    pub(super) origin: DVec3,
     pub(super) positions: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     /// Normals; zero where the file has one that is not finite.
@@ -37,8 +41,8 @@ impl Polygons {
     /// Those of the text of a file, whose outline is given. Fails, naming lines, on numbers that tobj cannot read, on
     /// coordinates of faces that are not finite, and on indices of what is not there.
     pub(super) fn read(
-        text: &str,
-        outline: &Outline,
+        (text, outline): (&str, &Outline),
+        about: About,
         path: &Path,
         warnings: &mut Vec<Problem>,
     ) -> Result<Self, Problems> {
@@ -46,12 +50,12 @@ impl Polygons {
             return Err(faults::find(text, path, "an index is out of range"));
         }
         let mesh = parse(&outline.statements).map_err(|e| faults::find(text, path, &e.to_string()))?;
-        let mut read = Self::of(&mesh, outline);
         // Not a number is beyond the limit too: all comparisons with it are false.
-        let near = |p: &Vec3| p.abs().cmple(Vec3::splat(Mesh::MAX_COORDINATE)).all();
-        if !read.positions.iter().all(near) || !read.uvs.iter().all(|uv| uv.is_finite()) {
+        let near = |x: &f64| single(*x).abs() <= Mesh::MAX_COORDINATE;
+        if !mesh.positions.iter().all(near) || !mesh.texcoords.iter().all(|uv| single(*uv).is_finite()) {
             return Err(faults::find(text, path, "a coordinate is not finite or too large"));
         }
+        let mut read = Self::of(&mesh, outline, about);
         if read.clear_odd_normals()
             && let Some((line, count)) = faults::odd_normals(text)
         {
@@ -62,12 +66,13 @@ impl Polygons {
         Ok(read)
     }
 
-    fn of(mesh: &tobj::Mesh, outline: &Outline) -> Self {
-        let vec3 = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect();
+    fn of(mesh: &tobj::Mesh, outline: &Outline, about: About) -> Self {
+        let (origin, positions) = positions(mesh.positions.chunks_exact(3).map(DVec3::from_slice), about);
         let mut read = Self {
-            positions: vec3(&mesh.positions),
-            uvs: mesh.texcoords.chunks_exact(2).map(Vec2::from_slice).collect(),
-            normals: vec3(&mesh.normals),
+            origin,
+            positions,
+            uvs: mesh.texcoords.chunks_exact(2).map(|uv| DVec2::from_slice(uv).as_vec2()).collect(),
+            normals: mesh.normals.chunks_exact(3).map(|n| DVec3::from_slice(n).as_vec3()).collect(),
             corners: Vec::with_capacity(mesh.indices.len()),
             polygons: Vec::with_capacity(outline.faces.len()),
         };

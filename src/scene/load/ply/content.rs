@@ -6,13 +6,13 @@ use super::scalar::Scalar;
 use super::source::{Fault, Source};
 use crate::error::Problem;
 use crate::geometry::Mesh;
-use glam::{Vec2, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::path::Path;
 
 /// Vertices and polygons as they are in the file.
 #[derive(Debug, Default)]
 pub(super) struct Content {
-    pub(super) positions: Vec<Vec3>,
+    pub(super) positions: Vec<DVec3>,
     /// As many as positions; absent where the file has none, zero where one is not finite.
     pub(super) normals: Option<Vec<Vec3>>,
     /// As many as positions; absent where the file has none.
@@ -83,7 +83,7 @@ impl Content {
         element: &Element,
         columns: &Columns,
         source: &mut impl Source,
-    ) -> Result<[f32; Column::SLOTS], Fault> {
+    ) -> Result<[f64; Column::SLOTS], Fault> {
         let mut slots = [0.0; Column::SLOTS];
         for (property, &column) in element.properties.iter().zip(&columns.each) {
             let scalar = property.scalar;
@@ -106,14 +106,14 @@ impl Content {
     }
 
     #[inline]
-    fn vertex(&mut self, [x, y, z, nx, ny, nz, u, v]: [f32; Column::SLOTS]) {
-        self.positions.push(Vec3::new(x, y, z));
+    fn vertex(&mut self, [x, y, z, nx, ny, nz, u, v]: [f64; Column::SLOTS]) {
+        self.positions.push(DVec3::new(x, y, z));
         if let Some(uvs) = &mut self.uvs {
-            uvs.push(Vec2::new(u, v));
+            uvs.push(DVec2::new(u, v).as_vec2());
         }
         if let Some(normals) = &mut self.normals {
             // Exporters write odd normals for slivers: zero stands for them, which falls back to the triangle's own.
-            let normal = Vec3::new(nx, ny, nz);
+            let normal = DVec3::new(nx, ny, nz).as_vec3();
             self.odd_normals += usize::from(!normal.is_finite());
             normals.push(if normal.is_finite() { normal } else { Vec3::ZERO });
         }
@@ -179,9 +179,9 @@ impl Content {
     }
 }
 
-/// A number as it goes into a slot.
+/// A number as it goes into a slot: one that single precision can hold.
 #[inline]
-fn coordinate(slot: usize, number: f64) -> Result<f32, Fault> {
+fn coordinate(slot: usize, number: f64) -> Result<f64, Fault> {
     #[expect(clippy::cast_possible_truncation, reason = "meshes are single precision")]
     let value = number as f32;
     match slot {
@@ -193,7 +193,7 @@ fn coordinate(slot: usize, number: f64) -> Result<f32, Fault> {
             format!("{number:e} is not finite in single precision"),
             "give a finite coordinate",
         )),
-        _ => Ok(value),
+        _ => Ok(number),
     }
 }
 

@@ -11,22 +11,23 @@ mod header;
 mod scalar;
 mod source;
 
-use super::mesh::{Cutter, LoadedMesh, Parts, Shading, no_triangle};
+use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, no_triangle, positions};
 use crate::error::{Error, Place, Problem, Result};
 use content::Content;
+use glam::Vec3;
 use header::{Format, Header};
 use source::{Ascii, Binary, Source};
 use std::path::Path;
 
 /// The triangles of a PLY file, as [`load_mesh`](super::load_mesh) gives them.
-pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
+pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
     let bytes = std::fs::read(path).map_err(|source| Error::Io {
         path: path.into(),
         what: "cannot read the mesh",
         source,
     })?;
     let header = Header::read(&bytes, path)?;
-    let (content, left_over) = match header.format {
+    let (mut content, left_over) = match header.format {
         Format::Ascii => read(Ascii::new(&bytes, &header), &header, path),
         Format::BinaryLittleEndian => read(Binary::<false>::new(&bytes, &header), &header, path),
         Format::BinaryBigEndian => read(Binary::<true>::new(&bytes, &header), &header, path),
@@ -34,7 +35,10 @@ pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>) -> Result<Loade
     drop(bytes);
     let mut warnings = warnings(&header, &content, left_over, path);
     let mut cutter = Cutter::default();
-    let triangles = triangles(&content, &mut cutter);
+    let far = std::mem::take(&mut content.positions);
+    let (origin, positions) = positions(far.iter().copied(), about);
+    drop(far);
+    let triangles = triangles(&content, &positions, &mut cutter);
     warnings.extend(cutter.warning(path));
     if triangles.is_empty() {
         let vertex = header.elements.iter().find(|element| element.name == "vertex");
@@ -42,8 +46,8 @@ pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>) -> Result<Loade
         let dropped = cutter.dropped().map(|what| (None, what));
         return Err(no_triangle(path, dropped.or(vertices)).into());
     }
-    let Content { positions, normals, uvs, .. } = content;
-    let parts = Parts { positions, normals, uvs, triangles, groups: None };
+    let Content { normals, uvs, .. } = content;
+    let parts = Parts { origin, positions, normals, uvs, triangles, groups: None };
     Ok(parts.load(shading.into(), path, warnings)?)
 }
 
@@ -53,8 +57,8 @@ fn read(mut source: impl Source, header: &Header, path: &Path) -> Result<(Conten
     Ok((content, source.left_over()))
 }
 
-fn triangles(content: &Content, cutter: &mut Cutter) -> Vec<[u32; 3]> {
-    let Content { positions, corners, runs, .. } = content;
+fn triangles(content: &Content, positions: &[Vec3], cutter: &mut Cutter) -> Vec<[u32; 3]> {
+    let Content { corners, runs, .. } = content;
     let polygons: usize = runs.iter().map(|[_, count]| count).sum();
     let mut triangles = Vec::with_capacity(corners.len() - 2 * polygons);
     let mut left = corners.as_slice();

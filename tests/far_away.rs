@@ -1,0 +1,287 @@
+//! A scene looks the same wherever it stands and whatever its unit is: carried far from the origin, and enlarged or shrunk by
+//! powers of two, with everything that has a length in its unit. Random numbers are the same, so pictures can be compared
+//! pixel by pixel.
+
+use glam::DVec3;
+use specula::film::Aov;
+use specula::render::{Settings, Silent, render};
+use specula::scene::description::Normals;
+use specula::scene::load::load_mesh;
+use specula::scene::{self, Built};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// How a scene is carried away: a place p becomes s p + t.
+#[derive(Clone, Copy)]
+struct Away {
+    s: f64,
+    t: [f64; 3],
+}
+
+const AT_HOME: Away = Away { s: 1.0, t: [0.0; 3] };
+
+impl Away {
+    fn p(self, p: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.s * p[i] + self.t[i])
+    }
+
+    fn v(self, v: [f64; 3]) -> [f64; 3] {
+        v.map(|x| self.s * x)
+    }
+}
+
+/// Corners of a tetrahedron standing beside the middle.
+const CORNERS: [[f64; 3]; 4] = [[0.9, 0.0, 1.1], [1.7, 0.0, 1.3], [1.2, 0.0, 0.5], [1.25, 0.8125, 0.96875]];
+
+const FACES: [[usize; 3]; 4] = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]];
+
+/// An OBJ and a PLY file with vertices that are where the scene is.
+fn write_meshes(folder: &Path, away: Away) {
+    let mut obj = String::new();
+    for p in CORNERS {
+        let [x, y, z] = away.p(p);
+        let _ = writeln!(obj, "v {x:?} {y:?} {z:?}");
+    }
+    for face in FACES {
+        let [a, b, c] = face.map(|i| i + 1);
+        let _ = writeln!(obj, "f {a} {b} {c}");
+    }
+    std::fs::write(folder.join("solid.obj"), obj).expect("a mesh");
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 4\nproperty double x\nproperty double y\n\
+                  property double z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n";
+    let mut ply = header.as_bytes().to_vec();
+    for p in CORNERS {
+        let moved = away.p([p[0] - 2.7, p[1], p[2] - 0.4]);
+        moved.iter().for_each(|x| ply.extend(x.to_le_bytes()));
+    }
+    for face in FACES {
+        ply.push(3);
+        face.iter().for_each(|&i| ply.extend(i32::try_from(i).expect("small").to_le_bytes()));
+    }
+    std::fs::write(folder.join("solid.ply"), ply).expect("a mesh");
+}
+
+/// Every kind of shape, light and placement, in glass, metal and chalk, with a lens and an open shutter. `far_pose` moves and
+/// turns a shape about an origin that is not the scene's.
+fn text(away: Away) -> String {
+    let Away { s, t } = away;
+    let (p, v) = (|a, b, c| away.p([a, b, c]), |a, b, c| away.v([a, b, c]));
+    let size = |x: f64| s * x;
+    format!(
+        r#"
+[film]
+width = 96
+height = 64
+[render]
+spp = 8
+max_depth = 6
+[camera]
+from = {from:?}
+at = {at:?}
+vfov_deg = 42.0
+lens_radius = {lens:?}
+shutter_close_s = 1.0
+[materials.floor]
+type = "diffuse"
+reflectance = {{ checker = [0.7, 0.2], repeat = [8, 8] }}
+[materials.chalk]
+type = "oren_nayar"
+reflectance = [0.7, 0.5, 0.3]
+[materials.glass]
+type = "dielectric"
+absorption = {absorption:?}
+[materials.gold]
+type = "conductor"
+metal = "Au"
+alpha = 0.2
+[materials.glaze]
+type = "glazed"
+reflectance = [0.2, 0.3, 0.6]
+[[shapes]]
+type = "rectangle"
+center = {middle:?}
+edge_u = {floor_u:?}
+edge_v = {floor_v:?}
+material = "floor"
+[[shapes]]
+type = "sphere"
+name = "ball"
+center = {ball:?}
+radius = {ball_radius:?}
+material = "glass"
+[[shapes]]
+type = "instance"
+of = "ball"
+material = "gold"
+transform = [{{ translate = {beside:?} }}]
+[[shapes]]
+type = "box"
+min = {low:?}
+max = {high:?}
+material = "glaze"
+transform = [{{ translate = {home:?} }}, {{ rotate_deg = 25.0, axis = [0, 1, 0] }}, {{ translate = {there:?} }}]
+[[shapes]]
+type = "cylinder"
+from = {foot:?}
+to = {top:?}
+radius = {thin:?}
+material = "chalk"
+[[shapes]]
+type = "torus"
+center = {ring:?}
+axis = [0.3, 1.0, 0.2]
+major_radius = {major:?}
+minor_radius = {minor:?}
+material = "gold"
+keys = [{{ time_s = 0.0 }}, {{ time_s = 1.0, transform = [{{ translate = {slide:?} }}] }}]
+[[shapes]]
+type = "mesh"
+file = "solid.obj"
+material = "glaze"
+[[shapes]]
+type = "mesh"
+file = "solid.ply"
+material = "chalk"
+normals = "smooth"
+[[lights]]
+type = "rectangle"
+center = {lamp:?}
+edge_u = {lamp_u:?}
+edge_v = {lamp_v:?}
+radiance = 9.0
+[[lights]]
+type = "sphere"
+center = {bulb:?}
+radius = {bulb_radius:?}
+radiance = [40.0, 30.0, 20.0]
+[[lights]]
+type = "point"
+position = {spark:?}
+intensity = {power:?}
+[[lights]]
+type = "environment"
+radiance = 0.1
+"#,
+        from = p(0.3, 1.9, 5.1),
+        at = p(0.1, 0.4, 0.0),
+        lens = size(0.02),
+        absorption = 0.3 / s,
+        middle = p(0.0, 0.0, 0.0),
+        floor_u = v(6.0, 0.0, 0.0),
+        floor_v = v(0.0, 0.0, -6.0),
+        ball = p(-0.4, 0.5, 1.2),
+        ball_radius = size(0.5),
+        beside = v(-1.3, 0.1, -1.1),
+        low = p(0.4, 0.0, -1.5),
+        high = p(1.2, 0.9, -0.8),
+        home = t.map(|x| -x),
+        there = t,
+        foot = p(2.1, 0.0, -0.6),
+        top = p(1.9, 1.4, -0.8),
+        thin = size(0.2),
+        ring = p(0.3, 0.3, 2.0),
+        major = size(0.3),
+        minor = size(0.08),
+        slide = v(0.2, 0.1, 0.0),
+        lamp = p(0.5, 3.0, 0.5),
+        lamp_u = v(0.6, 0.0, 0.0),
+        lamp_v = v(0.0, 0.0, 0.4),
+        bulb = p(-2.0, 1.6, 1.0),
+        bulb_radius = size(0.1),
+        spark = p(2.2, 1.8, 2.0),
+        power = 1.5 * s * s,
+    )
+}
+
+fn built(away: Away) -> Built {
+    let folder = tempfile::tempdir().expect("a folder for a scene");
+    let path = folder.path().join("scene.toml");
+    write_meshes(folder.path(), away);
+    std::fs::write(&path, text(away)).expect("a scene file");
+    let loaded = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+    scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn picture(away: Away) -> Vec<f32> {
+    let built = built(away);
+    let rendered = render(&built.scene, &Settings::default(), &Silent).expect("a picture");
+    assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
+    rendered.film.channels(Aov::Beauty).expect("it is kept").concat()
+}
+
+/// Root mean square of differences, over the mean of the picture, and the part of all pixels that differ by more than a
+/// hundredth of it.
+fn difference(a: &[f32], b: &[f32]) -> (f64, f64) {
+    let n = a.len() as f64;
+    let mean = a.iter().map(|&x| f64::from(x)).sum::<f64>() / n;
+    let off = || a.iter().zip(b).map(|(a, b)| f64::from(a - b).abs() / mean);
+    ((off().map(|d| d * d).sum::<f64>() / n).sqrt(), off().filter(|d| *d > 0.01).count() as f64 / n)
+}
+
+#[test]
+fn a_scene_far_from_the_origin_is_what_it_is_near() {
+    let home = picture(AT_HOME);
+    for reach in [1e3, 1e5, 1e6, 1e7] {
+        for axes in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, -1.0, 1.0]] {
+            let away = Away { s: 1.0, t: axes.map(|axis| axis * reach) };
+            let (rmse, changed) = difference(&home, &picture(away));
+            println!(
+                "{axes:?} times {reach:e}: RMSE {rmse:.2e} of the mean, {:.3} % changed",
+                changed * 100.0
+            );
+            assert!(rmse <= 1e-3, "{axes:?} times {reach:e}: RMSE {rmse:e} of the mean");
+        }
+    }
+}
+
+#[test]
+fn a_scene_near_the_origin_is_not_moved() {
+    for (t, moved) in [([0.0; 3], false), ([100.0, 0.0, -100.0], false), ([0.0, 1e4, 0.0], true)] {
+        let origin = built(Away { s: 1.0, t }).scene.origin;
+        assert_eq!(origin.length() > 0.0, moved, "at {t:?}: {origin}");
+        if moved {
+            assert!(origin.distance(t.into()) < 8.0, "{origin} is near {t:?}");
+        }
+    }
+}
+
+#[test]
+fn the_unit_of_length_does_not_matter() {
+    let home = picture(AT_HOME);
+    for k in (-20..=20).step_by(5) {
+        let s = f64::from(k).exp2();
+        let (rmse, changed) = difference(&home, &picture(Away { s, t: [0.0; 3] }));
+        println!("2^{k}: RMSE {rmse:.2e} of the mean, {:.3} % changed", changed * 100.0);
+        assert!(rmse <= 1e-4, "2^{k}: RMSE {rmse:e} of the mean");
+    }
+    // Far away and in another unit.
+    for (s, t) in [(1e-6, [1.0, -1.0, 1.0]), (1e-3, [1e3, 1e3, 0.0]), (1e3, [0.0, 1e9, 1e9])] {
+        let (rmse, _) = difference(&home, &picture(Away { s, t }));
+        println!("{s:e} at {t:?}: RMSE {rmse:.2e} of the mean");
+        assert!(rmse <= 2e-3, "{s:e} at {t:?}: RMSE {rmse:e} of the mean");
+    }
+}
+
+/// A mesh whose file counts from far away, carried back by its own transform to where the other one is.
+#[test]
+fn a_mesh_far_from_the_origin_of_its_file_keeps_its_form() {
+    let shift = [3e6, -5e6, 7e6];
+    for name in ["solid.obj", "solid.ply"] {
+        let folder = tempfile::tempdir().expect("a folder for meshes");
+        let [near, far] = ["near", "far"].map(|name| folder.path().join(name));
+        for (path, t) in [(&near, [0.0; 3]), (&far, shift)] {
+            std::fs::create_dir(path).expect("a folder");
+            write_meshes(path, Away { s: 1.0, t });
+        }
+        let [near, far] = [near, far].map(|path| {
+            let loaded = load_mesh(&path.join(name), Normals::Flat).expect("a mesh");
+            let at = |p: &glam::Vec3| p.as_dvec3() + loaded.origin;
+            (loaded.mesh.positions().iter().map(at).collect::<Vec<_>>(), loaded.origin)
+        });
+        assert_eq!(near.1, DVec3::ZERO, "{name}: near its origin it is as it was written");
+        for (p, q) in near.0.iter().zip(&far.0) {
+            let off = (*q - DVec3::from(shift) - *p).abs().max_element();
+            assert!(off <= 1e-7, "{name}: {q} is {off:e} off, which single precision rounds to 0.5");
+        }
+    }
+}
