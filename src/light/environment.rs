@@ -21,6 +21,12 @@ pub enum Environment {
 }
 
 impl Environment {
+    /// Whether radiance is the same from everywhere, so that lobes need not be told where to look.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
     /// Radiance from the unit direction `d`.
     #[must_use]
     pub fn radiance(&self, d: glam::Vec3) -> Rgb<f32> {
