@@ -6,11 +6,12 @@
 
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
-use specula::film::{Aov, Film};
-use specula::render::{Settings, Silent, render};
-use specula::scene;
-use std::num::NonZeroUsize;
-use std::path::Path;
+#[path = "support/pictures.rs"]
+mod pictures;
+
+use pictures::{errors, file_of, rendered, scene_of};
+use specula::error::Result;
+use specula::image::Image;
 
 /// A film as wide as this, and 9/16 as high.
 const WIDTH: u32 = 160;
@@ -21,7 +22,7 @@ const REFERENCE: u32 = 512;
 /// Renderings of each kind with different seeds, whose times and squared errors are averaged.
 const SEEDS: u64 = 4;
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> Result<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     // Under `cargo test` it only shows that it runs.
     let is_bench = words.iter().any(|word| word == "--bench");
@@ -34,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-fn table(name: &str, is_bench: bool) -> Result<(), Box<dyn std::error::Error>> {
+fn table(name: &str, is_bench: bool) -> Result<()> {
     let (truth, _) = picture(name, [if is_bench { REFERENCE } else { 1 }, 4], 1000)?;
     println!("{name}, {WIDTH} x {}", WIDTH * 9 / 16);
     println!("| camera samples | N | CPU s | RMSE | gain |\n|---|---|---|---|---|");
@@ -45,7 +46,7 @@ fn table(name: &str, is_bench: bool) -> Result<(), Box<dyn std::error::Error>> {
             for seed in 0..SEEDS {
                 let (found, time) = picture(name, [*spp, n], seed)?;
                 seconds += time / SEEDS as f64;
-                mse += mean_square(&found, &truth) / SEEDS as f64;
+                mse += errors(&found, &truth)?.mse / SEEDS as f64;
             }
             let cost = seconds * mse;
             let gain = *single.get_or_insert(cost) / cost;
@@ -55,31 +56,14 @@ fn table(name: &str, is_bench: bool) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Red, green and blue, each row by row.
-type Colors = Vec<Vec<f32>>;
-
-/// The colour channels of a picture, and the CPU seconds of its rays.
-fn picture(name: &str, [spp, n]: [u32; 2], seed: u64) -> Result<(Colors, f64), Box<dyn std::error::Error>> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+/// A picture, and the CPU seconds of its rays.
+fn picture(name: &str, [spp, n]: [u32; 2], seed: u64) -> Result<(Image, f64)> {
     let keys = [
-        ("film.width", u64::from(WIDTH)),
-        ("film.height", u64::from(WIDTH * 9 / 16)),
-        ("render.spp", spp.into()),
-        ("render.light_samples", n.into()),
-        ("render.glossy_samples", n.into()),
-        ("render.seed", seed),
+        ("render.spp", spp.to_string()),
+        ("render.light_samples", n.to_string()),
+        ("render.glossy_samples", n.to_string()),
+        ("render.seed", seed.to_string()),
     ];
-    let overrides = keys.map(|(key, value)| format!("{key}={value}"));
-    let scene = scene::build(&scene::load(&path, &overrides)?.description)?.scene;
-    let rendered = render(&scene, &Settings { threads: NonZeroUsize::new(1), crop: None }, &Silent)?;
-    Ok((colors(&rendered.film), rendered.statistics.render.cpu.as_secs_f64()))
-}
-
-fn colors(film: &Film) -> Colors {
-    film.channels(Aov::Beauty).map_or_else(Vec::new, |channels| channels.into_iter().take(3).collect())
-}
-
-fn mean_square(a: &[Vec<f32>], b: &[Vec<f32>]) -> f64 {
-    let pairs = || a.iter().flatten().zip(b.iter().flatten());
-    pairs().map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / pairs().count() as f64
+    let rendered = rendered(&scene_of(&file_of(name), WIDTH, &keys)?)?;
+    Ok((rendered.film.image(), rendered.statistics.render.cpu.as_secs_f64()))
 }

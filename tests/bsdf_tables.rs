@@ -1,5 +1,5 @@
-//! Scattering against tables: albedos by quadrature, published values of masking, how much of a Phong lobe falls below the
-//! surface and what turning it back does to its shape, the geometric series of a pane, coats that lose nothing.
+//! Scattering against tables: albedos by quadrature, published values of masking, the geometric series of a pane, coats that
+//! lose nothing. Those of the Phong lobe's lower part are in `glossy_bias.rs`.
 
 #![expect(clippy::cast_possible_truncation, reason = "tables in double precision are asked for in single")]
 
@@ -11,10 +11,10 @@ mod random;
 use random::{Random, from_angles};
 use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
 use specula::bsdf::{
-    Below, BsdfSample, Coat, Dielectric, Diffuse, FresnelModel, Glass, Glazed, Glossy, Metal, OrenNayar,
-    Phong, PhongScale, RoughConductor, RoughDielectric, Schlick, ThinDielectric,
+    BsdfSample, Coat, Dielectric, Diffuse, FresnelModel, Glass, Glazed, Metal, OrenNayar, Phong, PhongScale,
+    RoughConductor, RoughDielectric, Schlick, ThinDielectric,
 };
-use specula::math::{Frame, Rgb, Vec3};
+use specula::math::{Rgb, Vec3};
 use specula::sampling::warp;
 use std::f64::consts::PI;
 
@@ -210,113 +210,6 @@ fn published_values_of_facets_are_met() {
     assert!(seen >= 200, "only {seen} rows");
 }
 
-/// Exponent, and the fraction of raw samples below the surface at 15, 30, 45, 60, 75, 80, 85, 89 degrees.
-const BELOW: [(f32, [f64; 8]); 10] = [
-    (0.0, [0.0833, 0.1667, 0.25, 0.3333, 0.4167, 0.4444, 0.4722, 0.4944]),
-    (1.0, [0.01704, 0.06699, 0.1464, 0.25, 0.3706, 0.4132, 0.4564, 0.4913]),
-    (2.0, [0.003756, 0.02883, 0.09085, 0.1955, 0.3371, 0.39, 0.4446, 0.4889]),
-    (5.0, [4.82e-5, 0.002712, 0.02491, 0.1035, 0.268, 0.3404, 0.4187, 0.4836]),
-    (10.0, [4.2e-8, 6.5e-5, 0.003436, 0.04093, 0.1966, 0.2852, 0.3885, 0.4774]),
-    (20.0, [0.0, 4.7e-8, 8.1e-5, 0.00756, 0.1165, 0.2141, 0.3463, 0.4685]),
-    (50.0, [0.0, 0.0, 1.6e-9, 6.9e-5, 0.03065, 0.1068, 0.2674, 0.4506]),
-    (100.0, [0.0, 0.0, 0.0, 3.8e-8, 0.00415, 0.0397, 0.1907, 0.4305]),
-    (1000.0, [0.0, 0.0, 0.0, 0.0, 4e-17, 1.6e-8, 0.00287, 0.2904]),
-    (10000.0, [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2e-18, 0.0405]),
-];
-
-#[test]
-fn the_lobe_dips_below_the_surface_as_the_table_says() {
-    const N: u32 = 1 << 17;
-    for (exponent, row) in BELOW {
-        for (angle, fraction) in [15.0_f32, 30.0, 45.0, 60.0, 75.0, 80.0, 85.0, 89.0].into_iter().zip(row) {
-            let wo = from_angles(angle.to_radians(), 0.3);
-            let about = Frame::about(Vec3::new(-wo.x, -wo.y, wo.z));
-            let lobe = Glossy::new(Rgb::gray(0.8), exponent);
-            let (mut below, mut random) = (0, Random::new(6));
-            for _ in 0..N {
-                let u2 = random.pair();
-                let raw = about.to_world(warp::power_cosine(u2, exponent));
-                below += u32::from(raw.z < 0.0);
-                // What the fix makes of it: always above, always the same weight, whatever the direction.
-                let sample = lobe.sample(wo, u2);
-                assert!(sample.valid && sample.wi.z > 0.0, "{exponent} at {angle} deg: {sample:?}");
-                assert!(sample.weight.r.to_bits() == 0.8_f32.to_bits(), "{exponent}: {sample:?}");
-                let kept = (sample.wi - raw).length() < 1e-6;
-                assert!(kept == (raw.z >= 0.0), "{exponent} at {angle} deg: {raw:?} became {sample:?}");
-            }
-            let expected = f64::from(N) * fraction;
-            // Four and a half standard deviations, for 80 of them; the table has four digits.
-            let bound = 4.5 * (expected * (1.0 - fraction)).sqrt() + 1e-3 * expected + 3.0;
-            assert!(
-                (f64::from(below) - expected).abs() <= bound,
-                "{exponent} at {angle} deg: {below}, not {expected}"
-            );
-        }
-    }
-}
-
-/// Exponent and angle; distance of the turned lobe from the one cut off and brought back to 1, and from the one weighted by
-/// the cosine; mean cosines of the three.
-type Residual = (f32, f32, [f64; 2], [f64; 3]);
-
-const RESIDUALS: [Residual; 13] = [
-    (1.0, 30.0, [0.062, 0.206], [0.630, 0.629, 0.741]),
-    (1.0, 60.0, [0.167, 0.163], [0.609, 0.541, 0.693]),
-    (1.0, 85.0, [0.073, 0.221], [0.478, 0.445, 0.610]),
-    (5.0, 60.0, [0.092, 0.175], [0.535, 0.497, 0.622]),
-    (5.0, 75.0, [0.170, 0.153], [0.450, 0.383, 0.524]),
-    (20.0, 75.0, [0.101, 0.177], [0.326, 0.293, 0.385]),
-    (20.0, 85.0, [0.163, 0.174], [0.238, 0.202, 0.296]),
-    (100.0, 75.0, [0.004, 0.144], [0.259, 0.258, 0.292]),
-    (100.0, 85.0, [0.146, 0.170], [0.140, 0.119, 0.167]),
-    (1000.0, 85.0, [0.003, 0.141], [0.088, 0.087, 0.098]),
-    (1000.0, 89.0, [0.172, 0.166], [0.039, 0.033, 0.048]),
-    (10000.0, 89.0, [0.039, 0.181], [0.019, 0.018, 0.023]),
-    // With the cosine shut out nothing is bent.
-    (1e6, 60.0, [0.0, 0.001], [0.5, 0.5, 0.5]),
-];
-
-#[test]
-fn turning_bends_the_lobe_as_much_as_the_table_says() {
-    for (exponent, angle, distances, cosines) in RESIDUALS {
-        let wo = from_angles(angle.to_radians(), 0.3);
-        let about = Frame::about(Vec3::new(-wo.x, -wo.y, wo.z));
-        let lobe = |below| Glossy { reflectance: Rgb::WHITE, exponent, below };
-        let [turned, raw, cut] = [Below::ThroughR, Below::Discard, Below::Rejection].map(lobe);
-        // Densities over that of the raw lobe, at directions drawn evenly from it.
-        let over = |g: &Glossy<f32>, wi: V| {
-            let p = raw.pdf(wo, wi);
-            if p > 0.0 { f64::from(g.pdf(wo, wi) / p) } else { 0.0 }
-        };
-        let draw = |u2| about.to_world(warp::power_cosine(u2, exponent));
-        let lit = |wi: V| f64::from(wi.z.max(0.0));
-        let n = 500;
-        let share = mean(n, |u2| lit(draw(u2)));
-        let weighted = |wi: V| lit(wi) / share;
-        let found = [
-            mean(n, |u2| (over(&turned, draw(u2)) - over(&cut, draw(u2))).abs()) / 2.0,
-            mean(n, |u2| (over(&turned, draw(u2)) - weighted(draw(u2))).abs()) / 2.0,
-        ];
-        for (found, expected) in found.into_iter().zip(distances) {
-            assert!(
-                (found - expected).abs() < 2e-3,
-                "e = {exponent} at {angle}: distance {found}, not {expected}"
-            );
-        }
-        let found = [
-            mean(n, |u2| over(&turned, draw(u2)) * lit(draw(u2))),
-            mean(n, |u2| over(&cut, draw(u2)) * lit(draw(u2))),
-            mean(n, |u2| weighted(draw(u2)) * lit(draw(u2))),
-        ];
-        for (found, expected) in found.into_iter().zip(cosines) {
-            assert!(
-                (found - expected).abs() < 1.5e-3,
-                "e = {exponent} at {angle}: cosine {found}, not {expected}"
-            );
-        }
-    }
-}
-
 #[test]
 fn modified_phong_darkens_with_the_angle() {
     let table = [
@@ -330,23 +223,6 @@ fn modified_phong_darkens_with_the_angle() {
             let wo = from_angles(angle.to_radians(), 0.3);
             let found = mean(500, |u2| weight(lobe.sample(wo, u2)));
             assert!((found - expected).abs() < 1e-3, "e = {exponent} at {angle}: {found}, not {expected}");
-        }
-    }
-}
-
-#[test]
-fn discarding_darkens_the_rim_as_computed() {
-    // e = 1, reflectance 0.8: 0.4 (1 + cos) with what falls below black, 0.8 with it turned.
-    for angle in [0.0_f32, 30.0, 60.0, 80.0, 89.0] {
-        let wo = from_angles(angle.to_radians(), 0.3);
-        let lobe = |below| Glossy { reflectance: Rgb::gray(0.8_f32), exponent: 1.0, below };
-        let dark = mean(500, |u2| weight(lobe(Below::Discard).sample(wo, u2)));
-        let expected = 0.4 * (1.0 + f64::from(angle.to_radians().cos()));
-        assert!((dark - expected).abs() < 1e-3, "at {angle} degrees: {dark}, not {expected}");
-        for below in [Below::ThroughR, Below::Rejection] {
-            let least = (0..4000_u32).map(|i| weight(lobe(below).sample(wo, Random::new(i).pair())));
-            let least = least.fold(f64::INFINITY, f64::min);
-            assert!((least - f64::from(0.8_f32)).abs() < 1e-12, "{below:?} at {angle}: a sample of {least}");
         }
     }
 }

@@ -63,6 +63,7 @@ fn write_meshes(folder: &Path, away: Away) {
 
 /// Every kind of shape, light and placement, in glass, metal and chalk, with a lens and an open shutter. `far_pose` moves and
 /// turns a shape about an origin that is not the scene's.
+#[expect(clippy::too_many_lines, reason = "one scene, nearly all of it text")]
 fn text(away: Away) -> String {
     let Away { s, t } = away;
     let (p, v) = (|a, b, c| away.p([a, b, c]), |a, b, c| away.v([a, b, c]));

@@ -38,8 +38,17 @@ pub(crate) struct Race<'a> {
     contestants: Vec<Contestant<'a>>,
 }
 
-/// A name, and one pass; what a pass returns is only looked at to keep it from being left out.
-type Contestant<'a> = (String, Box<dyn FnMut() -> u64 + 'a>);
+/// One way of doing it.
+struct Contestant<'a> {
+    name: String,
+    /// What is known of it besides its speed.
+    figures: Vec<Figure>,
+    /// One pass; what it returns is only looked at to keep it from being left out.
+    pass: Box<dyn FnMut() -> u64 + 'a>,
+}
+
+/// What a number is called, and the number, if there is one.
+pub(crate) type Figure = (&'static str, Option<f64>);
 
 /// What was found of one contestant.
 #[derive(Debug)]
@@ -51,6 +60,7 @@ struct Row {
     /// Speed relative to the first contestant.
     ratio: f64,
     ratio_spread: f64,
+    figures: Vec<Figure>,
 }
 
 impl Bench {
@@ -80,7 +90,7 @@ impl Bench {
             for turn in 0..count {
                 let turn = if pass % 2 == 0 { turn } else { count - 1 - turn };
                 let start = ProcessTime::now();
-                black_box((race.contestants[turn].1)());
+                black_box((race.contestants[turn].pass)());
                 let spent = start.elapsed().as_secs_f64();
                 if pass > 0 {
                     seconds[turn].push(spent);
@@ -88,13 +98,17 @@ impl Bench {
             }
         }
         println!("\n{} ({} {})", race.name, race.items, race.unit);
-        for ((name, _), times) in race.contestants.iter().zip(&seconds) {
+        for (Contestant { name, figures, .. }, times) in race.contestants.into_iter().zip(&seconds) {
             let ratios = seconds[0].iter().zip(times).map(|(first, own)| first / own).collect();
             let (ratio, ratio_spread) = median_and_spread(ratios);
             let items_per_s = race.items as f64 / median_and_spread(times.clone()).0;
-            println!("  {name:32} {:9.3} M/s   x {ratio:.3} +- {ratio_spread:.3}", items_per_s * 1e-6);
-            let (race, contestant, unit) = (race.name.clone(), name.clone(), race.unit);
-            self.rows.push(Row { race, contestant, unit, items_per_s, ratio, ratio_spread });
+            print!("  {name:32} {:9.3} M/s   x {ratio:.3} +- {ratio_spread:.3}", items_per_s * 1e-6);
+            for (what, figure) in figures.iter().filter_map(|(what, figure)| Some((what, (*figure)?))) {
+                print!("   {what} {figure:.2e}");
+            }
+            println!();
+            let (race, contestant, unit) = (race.name.clone(), name, race.unit);
+            self.rows.push(Row { race, contestant, unit, items_per_s, ratio, ratio_spread, figures });
         }
     }
 
@@ -112,11 +126,20 @@ impl Bench {
             format!("passes: {}", self.passes),
         ]
         .join("; ");
-        text += "\nrace,contestant,unit,items_per_cpu_s,ratio,ratio_spread\n";
+        text += "\nrace,contestant,unit,items_per_cpu_s,ratio,ratio_spread";
+        // Of all rows alike.
+        for (what, _) in self.rows.iter().take(1).flat_map(|row| &row.figures) {
+            let _ = write!(text, ",{what}");
+        }
+        text.push('\n');
         for row in &self.rows {
-            let Row { race, contestant, unit, items_per_s, ratio, ratio_spread } = row;
-            let _ =
-                writeln!(text, "{race},{contestant},{unit},{items_per_s:.0},{ratio:.4},{ratio_spread:.4}");
+            let Row { race, contestant, unit, items_per_s, ratio, ratio_spread, figures } = row;
+            let _ = write!(text, "{race},{contestant},{unit},{items_per_s:.0},{ratio:.4},{ratio_spread:.4}");
+            for (_, figure) in figures {
+                let _ =
+                    write!(text, ",{}", figure.map_or_else(String::new, |figure| format!("{figure:.3e}")));
+            }
+            text.push('\n');
         }
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
         std::fs::create_dir_all(&folder)?;
@@ -135,7 +158,14 @@ impl<'a> Race<'a> {
 
     /// Adds a contestant; the first is what the others are compared with.
     pub(crate) fn with(mut self, name: impl Into<String>, pass: impl FnMut() -> u64 + 'a) -> Self {
-        self.contestants.push((name.into(), Box::new(pass)));
+        self.contestants.push(Contestant { name: name.into(), figures: Vec::new(), pass: Box::new(pass) });
+        self
+    }
+
+    /// Says what else is known of the contestant added last: the same of all of a bench.
+    #[allow(dead_code, reason = "only benches that know more than speeds")]
+    pub(crate) fn knowing(mut self, figures: Vec<Figure>) -> Self {
+        self.contestants.last_mut().expect("a contestant").figures = figures;
         self
     }
 }

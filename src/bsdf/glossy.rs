@@ -5,9 +5,10 @@
 //! Ground Up, chapter 25). Every sample has the same weight, so a glossy sphere in a uniform surround is uniform, and
 //! for e to infinity the lobe is a mirror; the price is that the lobe is not reciprocal.
 //!
-//! The half turn bends the shape of the lobe, not its total: up to 0.17 of the power lies elsewhere than in the lobe cut
-//! off at the surface and brought back to 1 (`tests/bsdf_laws.rs` has the table). Both that and the lobe merely cut off are
-//! there for comparison.
+//! The half turn bends the shape of the lobe, not its total: where a part P of the lobe lies below, P (1 - 2 P) / (1 - P) of the
+//! power, at most 0.172, lies elsewhere than in the lobe cut off at the surface and brought back to 1, all of it on the
+//! far side of one plane, where the density is doubled (`tests/glossy_bias.rs` has the table). A small bright light that
+//! crosses the plane shows as a faint line. Both that lobe and the one merely cut off are there for comparison.
 
 use crate::bsdf::BsdfSample;
 use crate::bsdf::mirror::mirrored;

@@ -85,6 +85,7 @@ impl Mesh {
     }
 
     /// The points on `triangles` with these barycentric parameters; `ng` are the hits' normals.
+    #[expect(clippy::manual_map, reason = "a closure may be left out of line, without the instruction set")]
     #[inline(always)]
     pub fn points<F: Lanes>(&self, triangles: F::Int, uv: [F; 2], ng: Vec3<F>) -> Points<F> {
         let first = Wrapping::<u32>::wrapping_mul(triangles, 3);

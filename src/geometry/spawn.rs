@@ -42,6 +42,7 @@ fn round_away<F: Lanes>(x: F, offset: F) -> F {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "neighbouring numbers")]
 mod tests {
     use super::*;
 

@@ -36,7 +36,8 @@ impl Receiver<'_> {
 ///
 /// Glossy lobes are followed by rays of their own, which may meet the same lights: the two share by the power
 /// heuristic with their numbers of rays (Veach 1997, Robust Monte Carlo Methods, 9.2). Diffuse lobes are not followed and
-/// take all. Lights without size, which always give the same answer, are asked once.
+/// take all. Lights without size, which always give the same answer, are asked once. A constant environment is left to the
+/// rays of glossy lobes: they know all that there is to know of it, and sharing would only add noise.
 pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
@@ -112,6 +113,8 @@ fn scattered(
     for part in mix.parts().filter(|part| part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
         let share = if light.is_delta() {
             1.0
+        } else if is_left_to_rays(light) && counts.glossy > 0 {
+            0.0
         } else {
             let drawn = part.bsdf.pdf_glossy(shading.wo, wi) * counts.glossy_factor();
             heuristic::power(sample.pdf * counts.light_factor(), drawn)
@@ -120,6 +123,11 @@ fn scattered(
     }
     let diffuse = if below { Rgb::BLACK } else { mix.eval_diffuse(shading.wo, wi) };
     (diffuse * arriving, glossy * arriving)
+}
+
+/// Whether the rays of glossy lobes, where there are any, find this light alone.
+fn is_left_to_rays(light: &Light) -> bool {
+    matches!(light, Light::Environment(environment) if environment.constant().is_some())
 }
 
 /// What is left of light on its way.

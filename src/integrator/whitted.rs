@@ -341,7 +341,7 @@ fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
 fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
     let Some((light, environment)) = stage.scene.environment() else { return Rgb::BLACK };
     let radiance = environment.radiance(node.ray.d);
-    let Some(drawn) = node.drawn else { return radiance };
+    let Some(drawn) = node.drawn.filter(|_| environment.constant().is_none()) else { return radiance };
     let asked = direct::light_pdf(light, drawn.from, node.ray.d.into(), None);
     radiance.scale(drawn.share(asked))
 }

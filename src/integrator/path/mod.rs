@@ -170,13 +170,13 @@ fn arrive<A: Accel, const N: usize>(
     (packet, beyond): (&mut Packet<N>, &mut [(Media, f32); N]),
     counters: &mut Counters,
 ) {
-    for lane in 0..count {
+    for (lane, behind) in beyond.iter_mut().enumerate().take(count) {
         let slot = wave.paths.rays.slot.all()[at + lane] as usize;
         let mut ray = packet.ray.get(lane).until(f32::INFINITY);
         let mut start = ray.o;
         for _ in 0..MOST_HIDDEN {
             let media = wave.slots.media[slot];
-            beyond[lane] = (media, 1.0);
+            *behind = (media, 1.0);
             let Some(hit) = packet.get_hit(lane) else {
                 wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), f32::INFINITY));
                 break;
@@ -192,7 +192,7 @@ fn arrive<A: Accel, const N: usize>(
                     reason = "between equal media nothing is seen and no direction may change"
                 )]
                 Crossing::Interface { eta, beyond: past } if eta != 1.0 || !material.is_interface() => {
-                    beyond[lane] = (past, eta);
+                    *behind = (past, eta);
                     break;
                 }
                 Crossing::Interface { beyond: past, .. } | Crossing::Hidden { beyond: past } => past,

@@ -35,7 +35,6 @@ pub(super) fn transform(
 
 /// The map of a step that does not depend on the shape.
 fn affine(step: &Step) -> Result<DAffine3, &'static str> {
-    #[expect(clippy::float_cmp, reason = "the last row of an affine map is exact")]
     if let Step::Matrix { matrix } = step
         && matrix[12..] != [0.0, 0.0, 0.0, 1.0]
     {

@@ -98,7 +98,7 @@ pub(crate) fn rows() -> Vec<Row> {
             [place(), around(), scale()], |a| {
                 let (p, n) = (vec(a), vec(&a[3..6]));
                 let error = (p.abs() + a[6]) * 3e-7;
-                let moved = spawn::origin(p, error, n, n);
+                let moved = Vec3::from(spawn::origin::<f32>(p.into(), error.into(), n.into(), n.into()));
                 let way = (moved.as_dvec3() - p.as_dvec3()).dot(n.as_dvec3());
                 let least = error.as_dvec3().dot(n.abs().as_dvec3());
                 [(way - least).min(0.0) as f32]
