@@ -1,11 +1,5 @@
 //! The lower part of a Phong lobe: how much of it there is, and what each way with it does to the lobe's total and shape, in the
 //! lobe's own numbers and in pictures.
-
-#![expect(
-    clippy::cast_possible_truncation,
-    reason = "directions in double precision are asked for in single"
-)]
-
 #[path = "support/estimates.rs"]
 mod estimates;
 #[path = "support/random.rs"]
@@ -396,7 +390,7 @@ fn in_uneven_light_pictures_differ_by_the_distance_of_the_lobes_at_most() {
                 let noise = 3.0 * (below(cosines[0]) / f64::from(SPP)).sqrt() + 3.0 / f64::from(SPP);
                 assert!(found.abs() < bound + noise, "e = {exponent}, pixel {i}: {found} of {bound}");
                 greatest = greatest.max(found.abs());
-                if i == y as usize * usize::from(SIDE) + x as usize {
+                if i == index(y) * usize::from(SIDE) + index(x) {
                     expected_there = bound;
                     assert!((found - bound).abs() < noise, "e = {exponent}, there: {found}, not {bound}");
                 }
@@ -407,4 +401,10 @@ fn in_uneven_light_pictures_differ_by_the_distance_of_the_lobes_at_most() {
             );
         }
     }
+}
+
+/// The pixel that a coordinate of the picture, not below zero, lies in.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a place in a small picture")]
+fn index(at: f64) -> usize {
+    at as usize
 }

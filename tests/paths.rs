@@ -250,3 +250,25 @@ fn paths_and_trees_agree_where_both_have_all_of_the_light() {
         assert!((tree - paths).abs() < 4e-3 * tree, "trees bring {tree}, paths {paths}");
     }
 }
+
+/// A few samples of what `benches/record/extremes.md` tells of a hundred million.
+#[test]
+fn extremes_give_numbers() {
+    let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/extremes.toml");
+    for integrator in ["path", "whitted"] {
+        for query in ["single", "stream"] {
+            let settings = [
+                format!("render.integrator={integrator}"),
+                format!("render.query={query}"),
+                "render.spp=16".to_owned(),
+                "film.width=64".to_owned(),
+                "film.height=36".to_owned(),
+            ];
+            let loaded = specula::scene::load(&file, &settings).unwrap_or_else(|error| panic!("{error}"));
+            let built = specula::scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"));
+            let image = picture(&built.scene);
+            let Rgb { r, .. } = mean(&image);
+            assert!(r > 0.1 && r < 1.0, "{integrator}, {query}: a mean of {r}");
+        }
+    }
+}
