@@ -37,7 +37,7 @@ impl Receiver<'_> {
 /// Glossy lobes are followed by rays of their own, which may meet the same lights: the two share by the power
 /// heuristic with their numbers of rays (Veach 1997, Robust Monte Carlo Methods, 9.2). Diffuse lobes are not followed and
 /// take all. Lights without size, which always give the same answer, are asked once. A constant environment is left to the
-/// rays of glossy lobes: they know all that there is to know of it, and sharing would only add noise.
+/// rays of glossy lobes: they know all that there is to know of it, and where it is free sharing adds noise.
 pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
