@@ -330,9 +330,33 @@ impl<S: Isa> Kernel<S> for Memory {
                 check_u32::<S>("gather", isa.gather_u32(&INTS[..len], wide), |i| {
                     if found(i) { INTS[index[i] as usize] } else { 0 }
                 });
+                rows::<S>(isa, len / 3, index);
             }
         }
         compress::<S>(isa);
+    }
+}
+
+/// Rows of three from a table of so many, within it and beyond, where indices times three wrap as well.
+#[inline(always)]
+fn rows<S: Isa>(isa: S, len: usize, index: &[u32]) {
+    let (floats, ints) = (&FLOATS.as_chunks::<3>().0[..len], &INTS.as_chunks::<3>().0[..len]);
+    let near = |i: usize, name: u32| if len == 0 || i == 3 { name } else { name % len as u32 };
+    for names in [
+        isa.load_u32(index),
+        isa.per_lane_u32(|i| index[i] % len.max(1) as u32),
+        isa.per_lane_u32(|i| near(i, index[i])),
+        isa.splat_u32(0x5555_5556),
+    ] {
+        let (of_floats, of_ints) = (isa.gather_rows(floats, names), isa.gather_rows_u32(ints, names));
+        for k in 0..3 {
+            check::<S>("gather_rows", of_floats[k], false, |i| {
+                floats.get(names.extract(i) as usize).map_or(0.0, |row| row[k])
+            });
+            check_u32::<S>("gather_rows_u32", of_ints[k], |i| {
+                ints.get(names.extract(i) as usize).map_or(0, |row| row[k])
+            });
+        }
     }
 }
 

@@ -26,7 +26,7 @@ fn mean(image: &Image) -> Rgb<f32> {
 }
 
 /// A ball of a material that fills the picture, in light that is the same all around.
-fn furnace(material: &str, query: &str) -> Scene {
+fn furnace(material: &str, query: &str, max_depth: u32) -> Scene {
     scene_of(&format!(
         r#"
         [camera]
@@ -41,7 +41,7 @@ fn furnace(material: &str, query: &str) -> Scene {
         integrator = "path"
         query = "{query}"
         spp = 256
-        max_depth = 64
+        max_depth = {max_depth}
         [materials.m]
         {material}
         [[shapes]]
@@ -68,9 +68,13 @@ fn what_loses_nothing_is_not_seen_in_a_furnace() {
     ];
     for query in ["single", "stream"] {
         for material in white {
-            let Rgb { r, g, b } = mean(&picture(&furnace(material, query)));
-            let off = (r - 1.0).abs().max((g - 1.0).abs()).max((b - 1.0).abs());
-            assert!(off < 4e-3, "{material}, {query}: {r} {g} {b}");
+            // One bounce is enough for what light does not enter.
+            let shallow = if material.contains("dielectric") { 64 } else { 2 };
+            for max_depth in [shallow, 64] {
+                let Rgb { r, g, b } = mean(&picture(&furnace(material, query, max_depth)));
+                let off = (r - 1.0).abs().max((g - 1.0).abs()).max((b - 1.0).abs());
+                assert!(off < 4e-3, "{material}, {query}, {max_depth} edges: {r} {g} {b}");
+            }
         }
     }
 }
@@ -241,6 +245,9 @@ fn paths_and_trees_agree_where_both_have_all_of_the_light() {
             center = [-2.0, 2.0, 1.0]
             radius = 0.4
             radiance = [3.0, 5.0, 9.0]
+            [[lights]]
+            type = "environment"
+            radiance = [0.6, 0.4, 0.2]
             "#
         ))
     };

@@ -24,6 +24,9 @@ pub struct Question<F> {
     pub choice: F,
     /// In [0, 1): choose the direction.
     pub direction: [F; 2],
+    /// Whether the way on has no more to find than light. Asking lights then has all of the diffuse lobe's light but that of
+    /// lights which are not asked, for which the lobe's way is marked by a density of -1.
+    pub last: bool,
 }
 
 /// What it is told.
@@ -43,7 +46,7 @@ pub struct Step<F: Lanes> {
     /// What radiance from there is multiplied by on its way to the viewer.
     pub weight: Rgb<F>,
     /// Density per solid angle, the choice included; 0 where asking lights does not find the same directions, so that what
-    /// is met counts in full.
+    /// is met counts in full; negative where nothing counts that asking lights may find (see [`Question::last`]).
     pub pdf: F,
     /// Where the surface is crossed.
     pub crosses: F::Mask,
@@ -54,31 +57,34 @@ pub struct Step<F: Lanes> {
 /// Answers for a surface of one kind.
 #[inline(always)]
 pub fn answer<F: Lanes, L: Lobe<F>>(lobe: &L, question: &Question<F>) -> Answer<F> {
-    let Question { wo, light, light_pdf, choice, direction } = *question;
+    let Question { wo, light, light_pdf, choice, direction, last } = *question;
     let (zero, one) = (wo.z.splat(0.0), wo.z.splat(1.0));
     let up = Vec3::new(zero, zero, one);
     let has = |lobes: Lobes| L::LOBES.intersects(lobes);
-    let diffuse = if has(Lobes::DIFFUSE) { lobe.eval_diffuse(wo, up).max_channel() * PI } else { zero };
-    let glossy = if has(Lobes::GLOSSY) { lobe.glossy_albedo(wo) } else { [zero; 2] };
+    // Where there is one way only, nothing is weighed.
+    let one_way = L::LOBES == Lobes::DIFFUSE || L::LOBES == Lobes::GLOSSY;
+    let weighed = |lobes: Lobes| has(lobes) && !one_way;
+    let diffuse = if weighed(Lobes::DIFFUSE) { lobe.eval_diffuse(wo, up).max_channel() * PI } else { zero };
+    let glossy = if weighed(Lobes::GLOSSY) { lobe.glossy_albedo(wo) } else { [zero; 2] };
     let branches = if has(Lobes::SPECULAR) { lobe.branches(wo) } else { [None, None] };
     let specular = branches.map(|branch| {
         branch.map_or(zero, |branch| F::select(branch.valid, branch.weight.max_channel(), zero))
     });
     let total = diffuse + glossy[0] + glossy[1] + specular[0] + specular[1];
     let per = one / total.max(1e-30);
-    let mut chooser = Chooser { at: zero, target: choice * total, step: nowhere(wo) };
+    let mut chooser = Chooser { one_way, at: zero, target: choice * total, step: nowhere(wo) };
     let mut lit = Rgb::gray(zero);
     if has(Lobes::DIFFUSE) {
-        let part = diffuse * per;
-        let drawn = light.z.max(0.0) * FRAC_1_PI * part;
-        lit += lobe.eval_diffuse(wo, light) * heuristic::power(light_pdf, drawn);
+        let part = if one_way { one } else { diffuse * per };
+        let share = if last { one } else { heuristic::power(light_pdf, light.z.max(0.0) * FRAC_1_PI * part) };
+        lit += lobe.eval_diffuse(wo, light) * share;
         let wi = warp::cosine_hemisphere(direction);
-        let pdf = wi.z * FRAC_1_PI * part;
+        let pdf = if last { -one } else { wi.z * FRAC_1_PI * part };
         let weight = lobe.eval_diffuse(wo, wi).scale(PI);
-        chooser.offer(diffuse, part, Step { wi, weight, pdf, crosses: never(wo), valid: pdf.gt(0.0) });
+        chooser.offer(diffuse, part, Step { wi, weight, pdf, crosses: never(wo), valid: wi.z.gt(0.0) });
     }
     if has(Lobes::GLOSSY) {
-        let part = glossy[0] * per;
+        let part = if one_way { one } else { glossy[0] * per };
         let drawn = lobe.pdf_glossy(wo, light) * part;
         lit += lobe.eval_glossy(wo, light) * heuristic::power(light_pdf, drawn);
         let [mirrored, refracted] = lobe.sample_glossy(wo, direction);
@@ -105,6 +111,8 @@ pub fn answer<F: Lanes, L: Lobe<F>>(lobe: &L, question: &Question<F>) -> Answer<
 
 /// Takes the last way that begins before a number.
 struct Chooser<F: Lanes> {
+    /// Whether the first way is the only one.
+    one_way: bool,
     at: F,
     target: F,
     step: Step<F>,
@@ -114,6 +122,10 @@ impl<F: Lanes> Chooser<F> {
     /// A way of this `share` of all, chosen with the probability `part`.
     #[inline(always)]
     fn offer(&mut self, share: F, part: F, step: Step<F>) {
+        if self.one_way {
+            self.step = step;
+            return;
+        }
         let chosen = self.target.ge(self.at) & share.gt(0.0);
         let weight = step.weight * part.max(1e-30).recip();
         self.step = Step::select(chosen, Step { weight, ..step }, self.step);

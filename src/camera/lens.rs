@@ -4,10 +4,10 @@
 //! not how bright the picture is. The fall-off with cos^4 of a real lens is left out.
 
 use crate::camera::Pinhole;
-use crate::geometry::Ray;
+use crate::math::Vec3;
+use crate::math::lanes::Lanes;
 use crate::sampling::warp;
-use glam::Vec2;
-use std::f32::consts::{FRAC_PI_2, TAU};
+use std::f32::consts::TAU;
 
 /// An ideal lens, thin and free of errors, behind an iris.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,20 +28,28 @@ impl Lens {
         (radius > 0.0).then(|| Self { radius, blades: (blades >= 3).then_some(blades), turn })
     }
 
-    /// The ray that leaves the lens at the point drawn by `u2`, uniform over the iris, for a film point in pixels: all of
-    /// them meet where the ray through the middle of the lens meets the plane in focus. The direction is a unit vector.
-    #[must_use]
-    pub fn ray(&self, pinhole: &Pinhole, film: [f32; 2], u2: [f32; 2]) -> Ray {
-        let offset = pinhole.across(self.iris(u2) * self.radius);
+    /// The rays, origins and directions, that leave the lens at the points drawn by `u2`, uniform over the iris, for film points
+    /// in pixels: all of one film point meet where the ray through the middle of the lens meets the plane in focus. Directions
+    /// are unit vectors.
+    #[inline(always)]
+    pub(super) fn rays<F: Lanes>(
+        &self,
+        pinhole: &Pinhole<F>,
+        film: [F; 2],
+        u2: [F; 2],
+    ) -> (Vec3<F>, Vec3<F>) {
+        let [x, y] = self.iris(u2);
+        let offset = pinhole.across([x * self.radius, y * self.radius]);
         // Divided by the distance instead of multiplied: a focus far away must not swallow the direction.
-        let d = pinhole.towards(film) - offset / pinhole.focus();
-        Ray::new(pinhole.eye() + offset, d.normalize())
+        let d = pinhole.towards(film) - offset / pinhole.focus;
+        (pinhole.eye + offset, d.normalize())
     }
 
     /// A point of the iris of radius 1, uniform by area; x to the right, y upwards.
-    fn iris(&self, u2: [f32; 2]) -> Vec2 {
+    #[inline(always)]
+    fn iris<F: Lanes>(&self, u2: [F; 2]) -> [F; 2] {
         match self.blades {
-            None => warp::disc(u2).into(),
+            None => warp::disc(u2),
             Some(blades) => polygon(u2, blades, self.turn),
         }
     }
@@ -50,22 +58,37 @@ impl Lens {
 /// A point of a regular polygon with its corners on the unit circle, one of them at `turn` from the top; uniform by area.
 /// The first number chooses among the triangles about the centre, and what is left of it serves within.
 #[expect(clippy::cast_precision_loss, reason = "polygons have fewer than 2^24 corners")]
-fn polygon([u, v]: [f32; 2], corners: u32, turn: f32) -> Vec2 {
+#[inline(always)]
+fn polygon<F: Lanes>([u, v]: [F; 2], corners: u32, turn: f32) -> [F; 2] {
     let scaled = u * corners as f32;
     let sector = scaled.floor().min((corners - 1) as f32);
-    let corner = |k: f32| Vec2::from_angle(FRAC_PI_2 + turn + TAU * k / corners as f32);
     let rest = (scaled - sector).clamp(0.0, 1.0 - f32::EPSILON);
     let [_, b, c] = warp::triangle([rest, v]);
-    corner(sector) * b + corner(sector + 1.0) * c
+    let ([x0, y0], [x1, y1]) = (corner(sector, corners, turn), corner(sector + 1.0, corners, turn));
+    [x0 * b + x1 * c, y0 * b + y1 * c]
+}
+
+/// Corner `k` of such a polygon.
+#[expect(clippy::cast_precision_loss, reason = "polygons have fewer than 2^24 corners")]
+#[inline(always)]
+fn corner<F: Lanes>(k: F, corners: u32, turn: f32) -> [F; 2] {
+    let (sin, cos) = (k * (1.0 / corners as f32) + (0.25 + turn / TAU)).sin_cos_turns();
+    [cos, sin]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+    use glam::{Vec2, Vec3 as Point};
+    use std::f32::consts::FRAC_PI_2;
 
     fn pinhole() -> Pinhole {
-        Pinhole::new([Vec3::ZERO, -Vec3::Z * 2.0, Vec3::Y], 0.8, [200, 100])
+        Pinhole::new([Point::ZERO, -Point::Z * 2.0, Point::Y], 0.8, [200, 100])
+    }
+
+    fn ray(lens: Lens, pinhole: &Pinhole, film: [f32; 2], u2: [f32; 2]) -> (Point, Point) {
+        let (o, d) = lens.rays(pinhole, film, u2);
+        (o.into(), d.into())
     }
 
     #[test]
@@ -73,14 +96,14 @@ mod tests {
         for blades in [0, 3, 6] {
             let lens = Lens::new(0.1, blades, 0.3).expect("a lens");
             for film in [[100.0, 50.0], [0.0, 0.0], [171.0, 92.5]] {
-                let sharp = pinhole().towards(film) * 2.0;
+                let sharp = Point::from(pinhole().towards(film)) * 2.0;
                 for i in 0..100_u16 {
                     let u2 = [f32::from(i) / 100.0, f32::from(i * 7 % 100) / 100.0];
-                    let ray = lens.ray(&pinhole(), film, u2);
-                    let at = ray.at(-2.0 / ray.d.z);
+                    let (o, d) = ray(lens, &pinhole(), film, u2);
+                    let at = o + d * (-2.0 / d.z);
                     assert!(at.abs_diff_eq(sharp, 1e-6), "{blades} blades, {film:?}: {at} for {sharp}");
-                    assert!(ray.d.is_normalized(), "a unit direction");
-                    assert!(ray.o.z == 0.0 && ray.o.length() <= 0.100_001, "on the lens: {}", ray.o);
+                    assert!(d.is_normalized(), "a unit direction");
+                    assert!(o.z == 0.0 && o.length() <= 0.100_001, "on the lens: {o}");
                 }
             }
         }
@@ -90,8 +113,8 @@ mod tests {
     fn a_focus_at_infinity_sends_rays_in_parallel() {
         let far = pinhole().focused(f32::MAX);
         let lens = Lens::new(0.5, 0, 0.0).expect("a lens");
-        let straight = far.ray([30.0, 40.0]).d;
-        let found = lens.ray(&far, [30.0, 40.0], [0.9, 0.2]).d;
+        let straight = Point::from(far.towards([30.0, 40.0])).normalize();
+        let (_, found) = ray(lens, &far, [30.0, 40.0], [0.9, 0.2]);
         assert!(found.abs_diff_eq(straight, 1e-7), "{found} for {straight}");
     }
 
@@ -102,7 +125,7 @@ mod tests {
             let (mut top, mut widest) = (f32::MIN, 0.0_f32);
             for i in 0..200_u8 {
                 for j in 0..200_u8 {
-                    let p = polygon([f32::from(i) / 200.0, f32::from(j) / 200.0], corners, 0.0);
+                    let p = Vec2::from(polygon([f32::from(i) / 200.0, f32::from(j) / 200.0], corners, 0.0));
                     for k in 0..corners {
                         let middle = FRAC_PI_2 + TAU * (k as f32 + 0.5) / corners as f32;
                         let reach = Vec2::from_angle(middle).dot(p);
@@ -115,7 +138,7 @@ mod tests {
             assert!(top > 0.98, "{corners} corners: the corner on top is at {top}");
             assert!(widest > 0.99, "{corners} corners: edges are reached, {widest}");
         }
-        let p = polygon([1.0 - f32::EPSILON / 2.0, 0.5], 5, 0.0);
+        let p = Vec2::from(polygon([1.0 - f32::EPSILON / 2.0, 0.5], 5, 0.0));
         assert!(p.is_finite() && p.length() <= 1.0, "the last number: {p}");
     }
 

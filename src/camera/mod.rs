@@ -11,7 +11,8 @@ pub use pinhole::Pinhole;
 pub use viewpoint::Viewpoint;
 
 use crate::geometry::Ray;
-use glam::Vec3;
+use crate::math::Vec3;
+use crate::math::lanes::Lanes;
 
 /// Where pictures are taken from.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,12 +51,21 @@ impl Camera {
     /// is a unit vector. `u2` draws a point of the lens; where there is none it means nothing.
     #[must_use]
     pub fn ray(&self, film: [f32; 2], u2: [f32; 2], time: f32) -> Ray {
-        let pinhole = self.pinhole(time);
-        let ray = match &self.lens {
-            None => pinhole.ray(film),
-            Some(lens) => lens.ray(&pinhole, film, u2),
+        let (o, d) = self.rays(film, u2, time);
+        Ray::new(o.into(), d.into()).at_time(time)
+    }
+
+    /// The same over lanes: origins and directions.
+    #[inline(always)]
+    pub fn rays<F: Lanes>(&self, film: [F; 2], u2: [F; 2], time: F) -> (Vec3<F>, Vec3<F>) {
+        let pinhole = match &self.stand {
+            Stand::Still(pinhole) => pinhole.spread(time),
+            Stand::Moving(pinhole) => pinhole.over(time),
         };
-        ray.at_time(time)
+        match &self.lens {
+            None => (pinhole.eye, pinhole.towards(film).normalize()),
+            Some(lens) => lens.rays(&pinhole, film, u2),
+        }
     }
 
     /// The camera at a moment of the shutter, in [0, 1], without its lens.
@@ -69,8 +79,8 @@ impl Camera {
 
     /// Where the camera stands at a moment of the shutter, in [0, 1]: the middle of its lens.
     #[must_use]
-    pub fn eye(&self, time: f32) -> Vec3 {
-        self.pinhole(time).eye()
+    pub fn eye(&self, time: f32) -> glam::Vec3 {
+        self.pinhole(time).eye.into()
     }
 
     /// Whether it moves while the shutter is open.

@@ -1,6 +1,11 @@
 //! A camera that moves while the shutter is open, with everything at rest sharp but for that.
 
 use crate::camera::{Pinhole, Viewpoint};
+use crate::math::Vec3;
+use crate::math::lanes::{Isa, Lanes};
+
+/// The widest lanes.
+const WIDEST: usize = 16;
 
 /// A pinhole that goes from viewpoint to viewpoint. What lies between two is found for each moment by itself, so turns of any
 /// speed are exact.
@@ -30,6 +35,33 @@ impl MovingPinhole {
         let ((from, a), (to, b)) = (self.keys[next - 1], self.keys[next]);
         let part = ((time - from) / (to - from)).clamp(0.0, 1.0);
         Pinhole::at(&a.between(&b, part), self.size)
+    }
+
+    /// The camera at the moment of each lane, one after the other.
+    #[inline(always)]
+    pub(super) fn over<F: Lanes>(&self, time: F) -> Pinhole<F> {
+        let mut times = [0.0; WIDEST];
+        time.store(&mut times);
+        let each = self.each(&times[..F::WIDTH]);
+        let isa = time.isa();
+        macro_rules! lanes {
+            ($($field:ident).+) => { isa.per_lane(|i| each[i].$($field).+) };
+        }
+        macro_rules! vector {
+            ($field:ident) => {
+                Vec3::new(lanes!($field.x), lanes!($field.y), lanes!($field.z))
+            };
+        }
+        let (eye, forward, right, down) = (vector!(eye), vector!(forward), vector!(right), vector!(down));
+        Pinhole { eye, forward, right, down, middle: each[0].middle, focus: lanes!(focus) }
+    }
+
+    /// Out of line: scalar work.
+    #[inline(never)]
+    fn each(&self, times: &[f32]) -> [Pinhole; WIDEST] {
+        let mut each = [self.at(times[0]); WIDEST];
+        each.iter_mut().zip(times).skip(1).for_each(|(pinhole, &time)| *pinhole = self.at(time));
+        each
     }
 }
 
@@ -73,7 +105,7 @@ mod tests {
         let straight = Pinhole::new(place, 0.9, [64, 48]);
         let turned = Pinhole::at(&Viewpoint::new(place, 0.9), [64, 48]);
         for film in [[0.0, 0.0], [64.0, 0.0], [31.0, 7.5], [64.0, 48.0]] {
-            let [a, b] = [straight, turned].map(|camera| camera.ray(film));
+            let [a, b] = [straight, turned].map(|camera| Camera::from(camera).ray(film, [0.5; 2], 0.0));
             assert!(a.d.abs_diff_eq(b.d, 1e-6) && a.o == b.o, "{film:?}: {a:?} {b:?}");
         }
     }

@@ -1,55 +1,57 @@
 //! A camera that stands still, with everything sharp unless there is a lens in place of its hole.
 
 use crate::camera::Viewpoint;
-use crate::geometry::Ray;
-use glam::{Vec2, Vec3};
+use crate::math::Vec3;
+use crate::math::lanes::Lanes;
+use glam::Vec3 as Point;
 
 /// A pinhole: everything is sharp. It knows the plane that a [`super::Lens`] in its place has in focus.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pinhole {
-    eye: Vec3,
+pub struct Pinhole<F = f32> {
+    /// Where it stands.
+    pub(super) eye: Vec3<F>,
     /// To the middle of the film at unit distance.
-    forward: Vec3,
+    pub(super) forward: Vec3<F>,
     /// Per pixel to the right.
-    right: Vec3,
+    pub(super) right: Vec3<F>,
     /// Per pixel downwards.
-    down: Vec3,
+    pub(super) down: Vec3<F>,
     /// The middle of the film in pixels.
-    middle: [f32; 2],
+    pub(super) middle: [f32; 2],
     /// How far the plane in focus is along the view.
-    focus: f32,
+    pub(super) focus: F,
 }
 
 impl Pinhole {
     /// A camera at `eye` looking at `at`, with `vfov` radians between the bottom and the top of a film of
     /// `width` x `height` pixels. `up` must not be parallel to the view. In focus is the plane through `at`.
     #[must_use]
-    pub fn new([eye, at, up]: [Vec3; 3], vfov: f32, [width, height]: [u32; 2]) -> Self {
-        let focus = (at - eye).length();
+    pub fn new([eye, at, up]: [Point; 3], vfov: f32, size: [u32; 2]) -> Self {
         let forward = (at - eye).normalize();
         let right = forward.cross(up).normalize();
-        let up = right.cross(forward);
-        let [width, height] = [width, height].map(|n| n as f32);
-        let pixel = 2.0 * (vfov * 0.5).tan() / height;
-        let middle = [width * 0.5, height * 0.5];
-        Self { eye, forward, right: right * pixel, down: -up * pixel, middle, focus }
+        let focus = (at - eye).length();
+        Self::with_axes(eye, [right, right.cross(forward), forward], (vfov, focus), size)
     }
 
     /// A camera with a viewpoint.
     #[must_use]
-    pub fn at(viewpoint: &Viewpoint, [width, height]: [u32; 2]) -> Self {
-        let [right, up, back] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| viewpoint.rotation * axis);
-        let [width, height] = [width, height].map(|n| n as f32);
-        let pixel = 2.0 * (viewpoint.vfov * 0.5).tan() / height;
-        let middle = [width * 0.5, height * 0.5];
-        let (eye, focus) = (viewpoint.eye, viewpoint.focus);
-        Self { eye, forward: -back, right: right * pixel, down: -up * pixel, middle, focus }
+    pub fn at(viewpoint: &Viewpoint, size: [u32; 2]) -> Self {
+        let &Viewpoint { eye, rotation, vfov, focus } = viewpoint;
+        let axes = [Point::X, Point::Y, -Point::Z].map(|axis| rotation * axis);
+        Self::with_axes(eye, axes, (vfov, focus), size)
     }
 
-    /// The ray through a film point in pixels, from the upper left corner; its direction is a unit vector.
-    #[must_use]
-    pub fn ray(&self, film: [f32; 2]) -> Ray {
-        Ray::new(self.eye, self.towards(film).normalize())
+    fn with_axes(
+        eye: Point,
+        [right, up, forward]: [Point; 3],
+        (vfov, focus): (f32, f32),
+        [width, height]: [u32; 2],
+    ) -> Self {
+        let [width, height] = [width, height].map(|n| n as f32);
+        let pixel = 2.0 * (vfov * 0.5).tan() / height;
+        let middle = [width * 0.5, height * 0.5];
+        let [right, down] = [(right * pixel).into(), (-up * pixel).into()];
+        Self { eye: eye.into(), forward: forward.into(), right, down, middle, focus }
     }
 
     /// The same camera with another plane in focus, `distance` metres away along the view.
@@ -64,20 +66,31 @@ impl Pinhole {
         self.focus
     }
 
+    /// The same camera in all lanes.
+    #[inline(always)]
+    pub(super) fn spread<F: Lanes>(&self, like: F) -> Pinhole<F> {
+        Pinhole {
+            eye: Vec3::splat(like, self.eye),
+            forward: Vec3::splat(like, self.forward),
+            right: Vec3::splat(like, self.right),
+            down: Vec3::splat(like, self.down),
+            middle: self.middle,
+            focus: like.splat(self.focus),
+        }
+    }
+}
+
+impl<F: Lanes> Pinhole<F> {
     /// From the eye to a film point in pixels, with the film one metre away along the view.
-    pub(super) fn towards(&self, [x, y]: [f32; 2]) -> Vec3 {
+    #[inline(always)]
+    pub(super) fn towards(&self, [x, y]: [F; 2]) -> Vec3<F> {
         self.forward + self.right * (x - self.middle[0]) + self.down * (y - self.middle[1])
     }
 
     /// A vector across the view, from its parts to the right and upwards in metres.
-    pub(super) fn across(&self, offset: Vec2) -> Vec3 {
-        self.right.normalize() * offset.x - self.down.normalize() * offset.y
-    }
-
-    /// Where the camera stands.
-    #[must_use]
-    pub fn eye(&self) -> Vec3 {
-        self.eye
+    #[inline(always)]
+    pub(super) fn across(&self, [x, y]: [F; 2]) -> Vec3<F> {
+        self.right.normalize() * x - self.down.normalize() * y
     }
 }
 
@@ -87,11 +100,11 @@ mod tests {
 
     #[test]
     fn the_corners_span_the_field_of_view() {
-        let camera = Pinhole::new([Vec3::ZERO, -Vec3::Z, Vec3::Y], 1.0, [200, 100]);
-        let up = camera.ray([100.0, 0.0]).d;
-        let down = camera.ray([100.0, 100.0]).d;
+        let camera = Pinhole::new([Point::ZERO, -Point::Z, Point::Y], 1.0, [200, 100]);
+        let towards = |film| Point::from(camera.towards(film)).normalize();
+        let [up, down] = [towards([100.0, 0.0]), towards([100.0, 100.0])];
         assert!((up.angle_between(down) - 1.0).abs() < 1e-5, "vertical field of view");
-        assert!(up.y > 0.0 && camera.ray([200.0, 50.0]).d.x > 0.0, "row 0 is the top, +X is right");
-        assert!(camera.ray([100.0, 50.0]).d.abs_diff_eq(-Vec3::Z, 1e-7), "middle");
+        assert!(up.y > 0.0 && towards([200.0, 50.0]).x > 0.0, "row 0 is the top, +X is right");
+        assert!(towards([100.0, 50.0]).abs_diff_eq(-Point::Z, 1e-7), "middle");
     }
 }

@@ -6,6 +6,8 @@
 //! that of the absolute value (held by tests below).
 //! Where a filter is negative its absolute value is sampled and the sample's weight carries the sign.
 
+use crate::math::lanes::{Isa, Lanes, Wrapping};
+
 /// The shape of a filter along one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FilterShape {
@@ -48,11 +50,11 @@ const MITCHELL_ROOT: f64 = 8.0 / 7.0;
 
 /// Where a sample is taken and what it counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FilterSample {
+pub struct FilterSample<F = f32> {
     /// Pixels from the centre of the pixel, to the right and down.
-    pub offset: [f32; 2],
+    pub offset: [F; 2],
     /// The filter's value over the probability density of `offset`, both normalised; of mean 1 over the unit square.
-    pub weight: f32,
+    pub weight: F,
 }
 
 /// A filter over the plane: a shape along each axis.
@@ -96,38 +98,48 @@ impl Filter {
 
     /// A point about the centre of a pixel; `u` in [0, 1) each. Along each axis the offset rises with `u`, so that what is
     /// stratified stays so.
-    pub fn sample(&self, u: [f32; 2]) -> FilterSample {
-        let ([x, y], [sign_x, sign_y]) = match self.shape {
-            FilterShape::Box => (u.map(|u| (2.0 * u - 1.0) * self.radius), [1.0, 1.0]),
-            FilterShape::Tent => (u.map(|u| tent(2.0 * u - 1.0) * self.radius), [1.0, 1.0]),
-            FilterShape::Gaussian | FilterShape::Mitchell => {
-                let [(x, sign_x), (y, sign_y)] = u.map(|u| self.tabulated(2.0 * u - 1.0));
-                ([x, y], [sign_x, sign_y])
+    #[inline(always)]
+    pub fn sample<F: Lanes>(&self, [u, v]: [F; 2]) -> FilterSample<F> {
+        let one = u.splat(1.0);
+        let [u, v] = [u * 2.0 - 1.0, v * 2.0 - 1.0];
+        match self.shape {
+            FilterShape::Box => FilterSample { offset: [u * self.radius, v * self.radius], weight: one },
+            FilterShape::Tent => {
+                FilterSample { offset: [tent(u) * self.radius, tent(v) * self.radius], weight: one }
             }
-        };
-        let weight = if self.is_positive() { 1.0 } else { sign_x * sign_y * self.excess * self.excess };
-        FilterSample { offset: [x, y], weight }
+            FilterShape::Gaussian | FilterShape::Mitchell => {
+                let ((x, sign_x), (y, sign_y)) = (self.tabulated(u), self.tabulated(v));
+                let weight =
+                    if self.is_positive() { one } else { sign_x * sign_y * (self.excess * self.excess) };
+                FilterSample { offset: [x, y], weight }
+            }
+        }
     }
 
     /// Offset and sign for `v` in [-1, 1), whose sign chooses the side.
-    fn tabulated(&self, v: f32) -> (f32, f32) {
+    #[inline(always)]
+    fn tabulated<F: Lanes>(&self, v: F) -> (F, F) {
         let mut share = v.abs();
-        let mut last = (0.0, 1.0);
+        let mut open = share.ge(0.0);
+        // Beyond all lobes by rounding alone.
+        let (mut offset, mut sign) = (v.splat(self.radius), v.splat(1.0));
         for lobe in &self.lobes {
             let mass = rounded(lobe.mass);
-            if share < mass {
-                return (lobe.at(share / mass).copysign(v), lobe.sign);
-            }
+            let here = open & share.lt(mass);
+            sign = F::select(open, v.splat(lobe.sign), sign);
+            offset = F::select(here, lobe.at(share / mass), offset);
+            open = open & !here;
             share -= mass;
-            last = (self.radius.copysign(v), lobe.sign);
         }
-        last
+        (offset.copysign(v), sign)
     }
 }
 
 /// The inverse distribution of 1 - |x| for `v` in [-1, 1).
-fn tent(v: f32) -> f32 {
-    (1.0 - (1.0 - v.abs()).sqrt()).copysign(v)
+#[inline(always)]
+fn tent<F: Lanes>(v: F) -> F {
+    let one = v.splat(1.0);
+    (one - (one - v.abs()).sqrt()).copysign(v)
 }
 
 /// One side of a filter between two zeros.
@@ -171,14 +183,17 @@ impl Lobe {
         Self { mass: sum, sign, inverse }
     }
 
-    /// The offset below which `share` of the lobe lies; in [0, 1).
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "share is in [0, 1)")]
-    #[expect(clippy::cast_precision_loss, reason = "4096 is exact")]
-    fn at(&self, share: f32) -> f32 {
+    /// The offset below which `share` of the lobe lies; in [0, 1), anything where it is not.
+    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "4096 is exact")]
+    #[inline(always)]
+    fn at<F: Lanes>(&self, share: F) -> F {
         let position = share * Self::PIECES as f32;
-        let piece = (position as usize).min(Self::PIECES - 1);
-        let (low, high) = (self.inverse[piece], self.inverse[piece + 1]);
-        low + (high - low) * (position - piece as f32)
+        let whole = position.clamp(0.0, (Self::PIECES - 1) as f32).floor();
+        let piece = whole.to_int();
+        let isa = share.isa();
+        let low = isa.gather(&self.inverse, piece);
+        let high = isa.gather(&self.inverse, Wrapping::<u32>::wrapping_add(piece, 1));
+        low + (high - low) * (position - whole)
     }
 }
 

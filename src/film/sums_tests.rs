@@ -47,6 +47,24 @@ fn a_film_does_not_depend_on_its_tiles() {
 }
 
 #[test]
+fn a_run_is_what_its_samples_are_one_by_one() {
+    let window = Window { x0: 2, y0: 1, x1: 5, y1: 3 };
+    let (mut single, mut runs) = (tile(window, 0), tile(window, 0));
+    for (y, x) in (1..3).flat_map(|y| (2..5).map(move |x| (y, x))) {
+        for (from, to) in [(0, 3), (3, 4), (4, 9)] {
+            let mut samples: Vec<_> = (from..to).map(|index| sample(SampleId { x, y, index })).collect();
+            samples[0].1[2] = if x == 3 { f32::NAN } else { 0.3 };
+            for (index, (weight, values)) in (from..).zip(&samples) {
+                single.add(SampleId { x, y, index }, *weight, values);
+            }
+            runs.add_run(SampleId { x, y, index: from }, samples.into_iter());
+        }
+    }
+    assert_eq!(runs, single, "sums, to the bit, and what was dropped");
+    assert_eq!(single.non_finite.count(), 6, "dropped");
+}
+
+#[test]
 fn a_crop_is_a_part_of_the_whole() {
     let whole = film_of_tiles([37, 23], Window::whole(37, 23), 16).image();
     let window = Window { x0: 5, y0: 7, x1: 30, y1: 20 };

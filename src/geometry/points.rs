@@ -3,7 +3,7 @@
 use crate::geometry::Mesh;
 use crate::math::Vec3;
 use crate::math::float::{UNIT_ROUNDOFF, gamma};
-use crate::math::lanes::{IntLanes, Isa, Lanes, Select, Wrapping};
+use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes, Select, Wrapping};
 
 /// Roundings that an intersection test spends on a point near its own triangle; `tests/spawn.rs` counts the rays that a
 /// smaller number lets hit what they leave.
@@ -52,12 +52,17 @@ impl<F: Lanes> Corners<F> {
         let p = a * w + b * u + c * v;
         let (e1, e2) = (b - a, c - a);
         let cross = e1.cross(e2);
+        let twice_area = cross.length();
         let up = Vec3::new(u.splat(0.0), u.splat(0.0), u.splat(1.0));
-        let ng = cross.normalize_or(ng.normalize_or(up));
+        let per_area = twice_area.max(f32::MIN_POSITIVE).recip();
+        let whole = twice_area.ge(f32::MIN_POSITIVE) & twice_area.is_finite();
+        let plane = cross * per_area;
+        let ng = if whole.all() { plane } else { Vec3::select(whole, plane, ng.normalize_or(up)) };
         // The plane of a needle is known less well than that of a fat triangle: by the ratio of edges to area.
-        let (l1, l2) = (e1.length(), e2.length());
-        let slenderness = (l1 * l2 / cross.length().max(f32::MIN_POSITIVE)).min(1e3);
-        let traversal = (slenderness + 1.0) * l1.max(l2) * (TRIANGLE_ROUNDINGS * UNIT_ROUNDOFF);
+        let (l1, l2) = (e1.length2(), e2.length2());
+        let (longer, shorter) = (l1.max(l2).sqrt(), l1.min(l2).sqrt());
+        let slenderness = (shorter * per_area * longer).min(1e3);
+        let traversal = (slenderness + 1.0) * longer * (TRIANGLE_ROUNDINGS * UNIT_ROUNDOFF);
         // Corners on their way are off by the rounding of their interpolation.
         let roundings = if self.moving { gamma(11) } else { gamma(7) };
         let p_error = (a.abs() * w.abs() + b.abs() * u + c.abs() * v).scale(roundings);
@@ -84,30 +89,23 @@ impl Mesh {
         self.key_count() == 1 && self.positions().len() < most && self.triangles().len() < most
     }
 
-    /// The points on `triangles` with these barycentric parameters; `ng` are the hits' normals.
+    /// The points on `triangles` with these barycentric parameters; `ng` are the hits' normals. Their surface parameters are found
+    /// only where they are `textured`.
     #[expect(clippy::manual_map, reason = "a closure may be left out of line, without the instruction set")]
     #[inline(always)]
-    pub fn points<F: Lanes>(&self, triangles: F::Int, uv: [F; 2], ng: Vec3<F>) -> Points<F> {
-        let first = Wrapping::<u32>::wrapping_mul(triangles, 3);
-        let indices = self.triangles().as_flattened();
-        let corners = [entry(indices, first, 0), entry(indices, first, 1), entry(indices, first, 2)];
+    pub fn points<F: Lanes>(&self, triangles: F::Int, uv: [F; 2], ng: Vec3<F>, textured: bool) -> Points<F> {
+        let corners = triangles.isa().gather_rows_u32(self.triangles(), triangles);
         let normals = match self.normals() {
             Some(normals) => Some(vectors(bytemuck::cast_slice(normals), corners)),
             None => None,
         };
         let uvs = match self.uvs() {
-            Some(uvs) => Some(pairs(bytemuck::cast_slice(uvs), corners)),
-            None => None,
+            Some(uvs) if textured => Some(pairs(bytemuck::cast_slice(uvs), corners)),
+            _ => None,
         };
         let positions = vectors(bytemuck::cast_slice(self.positions()), corners);
         Corners { positions, normals, uvs, moving: false }.at(uv, ng)
     }
-}
-
-/// Number `k` from `first` on.
-#[inline(always)]
-fn entry<I: IntLanes>(table: &[u32], first: I, k: u32) -> I {
-    first.isa().gather_u32(table, Wrapping::<u32>::wrapping_add(first, k))
 }
 
 #[inline(always)]
@@ -116,14 +114,14 @@ fn number<I: IntLanes>(table: &[f32], first: I, k: u32) -> I::F {
 }
 
 #[inline(always)]
-fn vectors<I: IntLanes>(table: &[f32], [a, b, c]: [I; 3]) -> [Vec3<I::F>; 3] {
+fn vectors<I: IntLanes>(table: &[[f32; 3]], [a, b, c]: [I; 3]) -> [Vec3<I::F>; 3] {
     [vector(table, a), vector(table, b), vector(table, c)]
 }
 
 #[inline(always)]
-fn vector<I: IntLanes>(table: &[f32], i: I) -> Vec3<I::F> {
-    let first = Wrapping::<u32>::wrapping_mul(i, 3);
-    Vec3::new(number(table, first, 0), number(table, first, 1), number(table, first, 2))
+fn vector<I: IntLanes>(table: &[[f32; 3]], i: I) -> Vec3<I::F> {
+    let [x, y, z] = i.isa().gather_rows(table, i);
+    Vec3::new(x, y, z)
 }
 
 #[inline(always)]

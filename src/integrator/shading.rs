@@ -8,7 +8,7 @@
 use crate::accel::Accel;
 use crate::geometry::{Interaction, Ray, spawn};
 use crate::integrator::{Counters, Stage};
-use crate::math::lanes::{Lanes, Select};
+use crate::math::lanes::{Lanes, MaskLanes, Select};
 use crate::math::{Frame, Vec3};
 use glam::Vec3 as Point;
 
@@ -89,7 +89,7 @@ impl<F: Lanes> Shading<F> {
         let front = wo.dot(ng).gt(0.0);
         let (ng, ns) = (Vec3::select(front, ng, -ng), Vec3::select(front, ns, -ns));
         let flat = ns.x.eq(ng.x) & ns.y.eq(ng.y) & ns.z.eq(ng.z);
-        let ns = Vec3::select(flat, ns, bent(ns, ng, wo));
+        let ns = if flat.all() { ns } else { Vec3::select(flat, ns, bent(ns, ng, wo)) };
         let frame = match tangent {
             Some(tangent) => along(ns, tangent),
             None => Frame::about(ns),

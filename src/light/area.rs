@@ -147,14 +147,15 @@ impl SampleArea for DiscArea {
     }
 }
 
-/// Numbers kept of a triangle.
-const ROW: u32 = 13;
+/// Vectors kept of a triangle.
+const ROWS: u32 = 4;
 
 /// Triangles, each chosen in proportion to its area.
 #[derive(Clone, Debug)]
 pub struct MeshArea {
-    /// For each triangle its corners, its unit normal and its area.
-    rows: Vec<f32>,
+    /// For each triangle its corners and its unit normal.
+    rows: Vec<[f32; 3]>,
+    areas: Vec<f32>,
     choice: Table1d,
     area: f32,
 }
@@ -170,19 +171,15 @@ impl MeshArea {
         let row = |corners: &[glam::Vec3; 3]| {
             let [a, b, c] = *corners;
             let n = (b - a).cross(c - a).normalize_or_zero();
-            [a, b, c, n].into_iter().flat_map(|v| v.to_array()).chain([area_of(corners)])
+            [a, b, c, n].map(|v| v.to_array())
         };
-        Ok(Self { rows: triangles.iter().flat_map(row).collect(), choice, area })
+        Ok(Self { rows: triangles.iter().flat_map(row).collect(), areas, choice, area })
     }
 
     #[inline(always)]
     fn vector<I: IntLanes>(&self, first: I, k: u32) -> Vec3<I::F> {
-        let component = Wrapping::<u32>::wrapping_add(first, k);
-        Vec3::new(
-            first.isa().gather(&self.rows, component),
-            first.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(component, 1)),
-            first.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(component, 2)),
-        )
+        let [x, y, z] = first.isa().gather_rows(&self.rows, Wrapping::<u32>::wrapping_add(first, k));
+        Vec3::new(x, y, z)
     }
 }
 
@@ -195,17 +192,16 @@ impl SampleArea for MeshArea {
     fn sample_area<F: Lanes>(&self, like: F, [u, v]: [F; 2]) -> SurfacePoint<F> {
         // What is left of the number within its cell is as good as new.
         let Picks { index, within, probability } = self.choice.sample_lanes(u);
-        let first = Wrapping::<u32>::wrapping_mul(index, ROW);
+        let first = Wrapping::<u32>::wrapping_mul(index, ROWS);
         let [b0, b1, b2] = warp::triangle([within.min(1.0 - f32::EPSILON), v]);
-        let p = self.vector(first, 0) * b0 + self.vector(first, 3) * b1 + self.vector(first, 6) * b2;
-        let area = like.isa().gather(&self.rows, Wrapping::<u32>::wrapping_add(first, 12));
-        SurfacePoint { p, n: self.vector(first, 9), pdf: probability / area }
+        let p = self.vector(first, 0) * b0 + self.vector(first, 1) * b1 + self.vector(first, 2) * b2;
+        let area = like.isa().gather(&self.areas, index);
+        SurfacePoint { p, n: self.vector(first, 3), pdf: probability / area }
     }
 
     fn pdf_area(&self, prim: u32) -> f32 {
         let index = prim as usize;
-        let area = self.rows.get(index * ROW as usize + 12);
-        area.map_or(0.0, |area| self.choice.probability(index) / area)
+        self.areas.get(index).map_or(0.0, |area| self.choice.probability(index) / area)
     }
 
     fn area(&self) -> f32 {

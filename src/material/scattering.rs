@@ -117,9 +117,9 @@ impl Scattering {
         Some(mix)
     }
 
-    /// How one surface scatters; absent for black ones and for mixes.
+    /// How one surface scatters, as [`crate::material::Material::bsdf`]; absent for black ones and for mixes.
     #[inline(always)]
-    fn single<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Bsdf<F>> {
+    pub fn single<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Bsdf<F>> {
         Some(match self {
             Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
             Self::OrenNayar { reflectance, roughness } => {
@@ -156,6 +156,39 @@ impl Scattering {
         let layers = if let Self::Mix(layers) = self { layers.as_slice() } else { &[] };
         let own = (!matches!(self, Self::Mix(_))).then_some(self);
         own.into_iter().chain(layers.iter().map(|layer| &layer.scattering))
+    }
+
+    /// Whether a path has a choice of ways on.
+    #[must_use]
+    pub fn has_choice(&self) -> bool {
+        match self {
+            Self::Black
+            | Self::Diffuse { .. }
+            | Self::OrenNayar { .. }
+            | Self::Mirror { .. }
+            | Self::Conductor { .. } => false,
+            Self::Dielectric { .. }
+            | Self::ThinDielectric(_)
+            | Self::Glossy { .. }
+            | Self::Phong { .. }
+            | Self::Jitter { .. }
+            | Self::Glazed { .. }
+            | Self::Schlick(_)
+            | Self::Mix(_) => true,
+        }
+    }
+
+    /// Whether anything of it changes over the surface.
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        self.parts().any(|part| match part {
+            Self::Diffuse { reflectance } | Self::OrenNayar { reflectance, .. } => !reflectance.is_constant(),
+            Self::Glossy { base, .. }
+            | Self::Phong { base, .. }
+            | Self::Jitter { base, .. }
+            | Self::Glazed { base, .. } => !base.is_constant(),
+            _ => false,
+        })
     }
 
     /// The medium that the surface bounds.

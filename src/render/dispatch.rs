@@ -131,7 +131,7 @@ fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<
 }
 
 /// Camera samples that are followed side by side: flat from 1000 to 4000.
-const BATCH: usize = 2048;
+const BATCH: u32 = 2048;
 
 fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
     let [width, height] = [scene.film.width, scene.film.height];

@@ -6,6 +6,7 @@
 mod dispatch;
 mod eye;
 mod job;
+mod samples;
 mod tiles;
 
 pub use dispatch::render;

@@ -2,13 +2,14 @@
 
 use crate::accel::Accel;
 use crate::error::{Error, Result};
-use crate::film::{Film, Filter, FilterSample, Layout, SampleId, Tile};
+use crate::film::{Film, Filter, Layout, SampleId, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
 use crate::integrator::{Counters, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::Progress;
 use crate::render::eye::Eye;
-use crate::sampling::{AnySampler, Dim, Sampler, SamplerKind, Vertex};
+use crate::render::samples::{Begin, CameraSamples, Cursor};
+use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -71,37 +72,7 @@ pub(super) struct Work<'a, A> {
     advance: &'a dyn Fn(u64),
 }
 
-/// A ray from the camera, and what its light counts.
-struct CameraSample {
-    weight: f32,
-    ray: Ray,
-}
-
 impl<A> Work<'_, A> {
-    /// All samples, pixel by pixel in the order of their indices.
-    fn samples(&self) -> impl Iterator<Item = SampleId> + use<A> {
-        let (window, spp) = (self.tile.window(), self.plan.scene.render.spp);
-        let rows = window.y0..window.y1;
-        rows.flat_map(move |y| {
-            (window.x0..window.x1).flat_map(move |x| (0..spp).map(move |index| SampleId { x, y, index }))
-        })
-    }
-
-    fn start(&self, SampleId { x, y, index }: SampleId) -> AnySampler<u32> {
-        self.plan.sampler.start(self.plan.seed, [x, y], index)
-    }
-
-    fn camera_sample(&self, id: SampleId, sampler: &AnySampler<u32>) -> CameraSample {
-        let scene = self.plan.scene;
-        let camera = &scene.camera;
-        let FilterSample { offset, weight } =
-            self.plan.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
-        let time = if self.plan.moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { 0.0 };
-        let lens = if camera.has_lens() { sampler.get_2d(Dim::Lens, Vertex::ROOT) } else { [0.5; 2] };
-        let ray = camera.ray([center(id.x) + offset[0], center(id.y) + offset[1]], lens, time);
-        CameraSample { weight, ray }
-    }
-
     fn add(&mut self, id: SampleId, weight: f32, Radiance { color, alpha }: Radiance) {
         self.tile.add(id, weight, &[color.r, color.g, color.b, alpha]);
     }
@@ -121,10 +92,12 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, _memory: &mut ()) -> Result<Counters> {
         let mut worker = Worker::default();
-        let spp = work.plan.scene.render.spp;
-        for id in work.samples() {
-            let sampler = work.start(id);
-            let CameraSample { weight, ray } = work.camera_sample(id, &sampler);
+        let (plan, spp) = (work.plan, work.plan.scene.render.spp);
+        for id in Cursor::new(work.tile.window(), spp) {
+            let pixel = [id.x, id.y];
+            let sampler = plan.start(pixel, id.index);
+            let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
+            let ray = Ray::new(o.into(), d.into()).at_time(time);
             let found = self.0.li(&work.eye.stage(ray.time), &ray, &sampler, &mut worker);
             work.add(id, weight, found);
             if id.index + 1 == spp {
@@ -139,14 +112,16 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
 pub(super) struct InBatches<'a> {
     pub(super) path: &'a Path,
     /// Samples of a batch.
-    pub(super) size: usize,
+    pub(super) size: u32,
 }
 
 /// A batch and what its samples count.
 #[derive(Default)]
 pub(super) struct Batch {
+    /// Samples of a pixel each, by their first.
+    runs: Vec<(SampleId, u32)>,
     wave: Wave,
-    weights: Vec<(SampleId, f32)>,
+    weights: Vec<f32>,
 }
 
 impl Engine for InBatches<'_> {
@@ -154,50 +129,38 @@ impl Engine for InBatches<'_> {
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch) -> Result<Counters> {
         let mut counters = Counters::default();
-        batch.clear(self.size);
-        for id in work.samples() {
-            let sampler = work.start(id);
-            let CameraSample { weight, ray } = work.camera_sample(id, &sampler);
-            let media = work.eye.stage(ray.time).eye_media;
-            batch.wave.push([id.x, id.y], id.index, &ray, media);
-            batch.weights.push((id, weight));
-            if batch.wave.len() == self.size {
-                self.finish(work, batch, &mut counters)?;
+        let mut cursor = Cursor::new(work.tile.window(), work.plan.scene.render.spp);
+        loop {
+            batch.runs.clear();
+            batch.runs.extend(cursor.runs(self.size));
+            if batch.runs.is_empty() {
+                return Ok(counters);
             }
+            self.trace(work, batch, &mut counters);
+            work.report(batch.wave.len() as u64)?;
         }
-        self.finish(work, batch, &mut counters)?;
-        Ok(counters)
     }
 }
 
 impl InBatches<'_> {
-    fn finish<A: Accel>(
-        &self,
-        work: &mut Work<'_, A>,
-        batch: &mut Batch,
-        counters: &mut Counters,
-    ) -> Result<()> {
-        self.path.follow(&work.eye.stage(0.0), &mut batch.wave, counters);
-        for (i, &(id, weight)) in batch.weights.iter().enumerate() {
-            work.add(id, weight, batch.wave.radiance(i));
+    fn trace<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch, counters: &mut Counters) {
+        let Batch { runs, wave, weights } = batch;
+        self.path.level().run(Begin { plan: work.plan, runs, wave, weights });
+        if work.plan.scene.has_media() {
+            wave.set_media(|time| work.eye.stage(time).eye_media);
         }
-        work.report(batch.wave.len() as u64)?;
-        batch.clear(self.size);
-        Ok(())
+        self.path.follow(&work.eye.stage(0.0), wave, counters);
+        let mut at = 0;
+        for &(first, count) in &*runs {
+            let samples = at..at + count as usize;
+            let values = samples.clone().map(|i| {
+                let Radiance { color, alpha } = wave.radiance(i);
+                [color.r, color.g, color.b, alpha]
+            });
+            work.tile.add_run(first, weights[samples.clone()].iter().copied().zip(values));
+            at = samples.end;
+        }
     }
-}
-
-impl Batch {
-    fn clear(&mut self, size: usize) {
-        self.wave.clear(size);
-        self.weights.clear();
-    }
-}
-
-/// The middle of a column or row.
-#[expect(clippy::cast_precision_loss, reason = "pictures have fewer than 2^24 columns and rows")]
-fn center(pixel: u32) -> f32 {
-    pixel as f32 + 0.5
 }
 
 /// The tiles of a window by rows, the last ones of a row or column narrower.

@@ -106,17 +106,17 @@ impl Table1d {
         let table = &self.cumulative;
         let unit = (u * (1.0 / UNIT)).to_int();
         // The last whose lower end is not above, by halving steps.
-        let mut index = unit.splat(0);
-        let mut step = 1 << self.len().ilog2();
-        let entries = u32::try_from(table.len()).unwrap_or(u32::MAX);
+        let (mut index, mut low) = (unit.splat(0), unit.splat(0));
+        let last = u32::try_from(self.len() - 1).unwrap_or(u32::MAX);
+        let mut step = last.checked_ilog2().map_or(0, |steps| 1 << steps);
         while step > 0 {
             let next = Wrapping::<u32>::wrapping_add(index, step);
             let end = unit.isa().gather_u32(table, next);
-            let fits = Compare::<F::Int>::le(end, unit) & Compare::<u32>::lt(next, entries);
+            let fits = Compare::<F::Int>::le(end, unit) & Compare::<u32>::le(next, last);
             index = F::Int::select(fits, next, index);
+            low = F::Int::select(fits, end, low);
             step >>= 1;
         }
-        let low = unit.isa().gather_u32(table, index);
         let high = unit.isa().gather_u32(table, Wrapping::<u32>::wrapping_add(index, 1));
         let width = Wrapping::<F::Int>::wrapping_sub(high, low).signed_to_float();
         let offset = Wrapping::<F::Int>::wrapping_sub(unit, low).signed_to_float();

@@ -53,13 +53,16 @@ impl Scene {
     /// What a primitive is made of.
     #[must_use]
     pub fn material_of(&self, placement: PlacementId, prim: u32) -> MaterialId {
-        let materials = &self.surfaces[placement.index()].materials;
-        // Most shapes are of one material: those need not be looked at.
-        if let [only] = materials[..] {
-            only
-        } else {
-            materials[usize::from(self.world.shape_of(placement).group(prim))]
-        }
+        self.only_material_of(placement).unwrap_or_else(|| {
+            let group = self.world.shape_of(placement).group(prim);
+            self.surfaces[placement.index()].materials[usize::from(group)]
+        })
+    }
+
+    /// What all primitives of a placement are made of, where it is the same.
+    #[must_use]
+    pub fn only_material_of(&self, placement: PlacementId) -> Option<MaterialId> {
+        if let [only] = self.surfaces[placement.index()].materials[..] { Some(only) } else { None }
     }
 
     /// The light that a placement is.

@@ -19,6 +19,12 @@ pub enum Texture {
 }
 
 impl Texture {
+    /// Whether the colour is the same everywhere.
+    #[must_use]
+    pub fn is_constant(&self) -> bool {
+        matches!(self, Self::Constant(_))
+    }
+
     /// The colour at surface parameters.
     #[inline(always)]
     pub fn at<F: Lanes>(&self, [u, v]: [F; 2]) -> Rgb<F> {

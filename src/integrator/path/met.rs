@@ -1,9 +1,11 @@
 //! What the rays of a chunk have met, over lanes.
 
+use super::surfaces::Surfaces;
 use crate::accel::Packet;
-use crate::geometry::{Hit, PlacementId, Points, Pose, Shape};
+use crate::accel::packet::NONE;
+use crate::geometry::{Hit, Points, Pose, Shape};
 use crate::math::Vec3;
-use crate::math::lanes::{Compare, Isa, MaskLanes, Select};
+use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes, Select};
 use crate::scene::Scene;
 
 /// The widest lanes.
@@ -15,8 +17,8 @@ pub(super) struct Met<S: Isa> {
     pub(super) hit: S::M,
     pub(super) points: Points<S::F>,
     /// The material of each lane; unspecified where nothing was met.
-    pub(super) materials: [u32; WIDEST],
-    pub(super) placements: [u32; WIDEST],
+    pub(super) materials: S::I,
+    pub(super) placements: S::I,
 }
 
 /// The hit of a lane.
@@ -28,35 +30,41 @@ pub(super) fn hit_of<const N: usize>(packet: &Packet<N>, lane: usize) -> Option<
 impl<S: Isa> Met<S> {
     /// What the lanes of `packet` that are set in `active` have met.
     #[inline(always)]
-    pub(super) fn of<const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, active: S::M) -> Self {
+    pub(super) fn of<const N: usize>(
+        isa: S,
+        (scene, surfaces): (&Scene, &Surfaces),
+        packet: &Packet<N>,
+        active: S::M,
+    ) -> Self {
         let hit = &packet.hit;
         let (u, v) = (isa.load(&hit.u), isa.load(&hit.v));
         let prims = isa.load_u32(&hit.prim);
         let ng = Vec3::new(isa.load(&hit.ng_x), isa.load(&hit.ng_y), isa.load(&hit.ng_z));
-        let mut placements = [u32::MAX; WIDEST];
-        let mut materials = [0; WIDEST];
-        let mut bits = 0;
-        for lane in 0..N {
-            if let Some(PlacementId(placement)) = hit.placement(lane) {
-                placements[lane] = placement;
-                materials[lane] = scene.material_of(PlacementId(placement), hit.prim[lane]).0;
-                bits |= 1 << lane;
-            }
-        }
-        bits &= active.bits();
-        let met = Compare::<u32>::ne(isa.load_u32(&placements), u32::MAX) & active;
+        let [geometries, instances] = [isa.load_u32(&hit.geometry), isa.load_u32(&hit.instance)];
+        let placements = S::I::select(Compare::<u32>::ne(instances, NONE), instances, geometries);
+        let met = Compare::<u32>::ne(placements, NONE) & active;
+        let materials = surfaces.materials(isa, scene, (placements, prims), met);
         let zero = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(0.0));
         let up = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(1.0));
         let mut points = Points { p: zero, p_error: zero, ng: up, ns: up, uv: [u, v] };
+        let mut bits = met.bits();
         while bits != 0 {
-            let first = bits.trailing_zeros() as usize;
-            let same = Compare::<u32>::eq(isa.load_u32(&placements), placements[first]) & met;
-            let placement = &scene.world.placements[placements[first] as usize];
+            let first = placements.extract(bits.trailing_zeros() as usize);
+            let same = Compare::<u32>::eq(placements, first) & met;
+            let placement = &scene.world.placements[first as usize];
             let shape = &scene.world.shapes[placement.shape.index()];
             let found = match (shape, &placement.pose) {
-                (Shape::Mesh(mesh), Pose::World) if mesh.has_points() => mesh.points(prims, [u, v], ng),
-                _ => one_by_one(isa, scene, packet, same.bits() & bits),
+                (Shape::Mesh(mesh), Pose::World) if mesh.has_points() => {
+                    // Numbers of triangles of other meshes may be beyond this one's.
+                    let own = S::I::select(same, prims, isa.splat_u32(0));
+                    mesh.points(own, [u, v], ng, surfaces.textured)
+                }
+                _ => one_by_one(isa, scene, packet, same.bits()),
             };
+            if same.bits() == met.bits() {
+                points = found;
+                break;
+            }
             points = Points::select(same, found, points);
             bits &= !same.bits();
         }

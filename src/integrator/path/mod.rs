@@ -17,6 +17,7 @@
 
 mod lights;
 mod met;
+mod surfaces;
 mod vertex;
 mod wave;
 
@@ -30,6 +31,7 @@ use crate::math::lanes::{Isa, Level, Scalar};
 use crate::sampling::{SamplerKind, Vertex};
 use crate::scene::Scene;
 use lights::Lights;
+use surfaces::Surfaces;
 use vertex::{Chunk, Surroundings};
 use wave::Guarded;
 
@@ -37,6 +39,7 @@ use wave::Guarded;
 #[derive(Debug)]
 pub struct Path {
     lights: Lights,
+    surfaces: Surfaces,
     max_depth: u32,
     sampler: SamplerKind,
     seed: u32,
@@ -56,7 +59,14 @@ impl Path {
         // The rays of a coherent packet are traced together, and what they hit on an edge may depend on their company:
         // never on other pixels, which may be missing from a crop.
         let whole = spp % level.width() == 0;
-        Self { lights: Lights::of(scene), max_depth, sampler, seed, level, whole }
+        let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
+        Self { lights, surfaces, max_depth, sampler, seed, level, whole }
+    }
+
+    /// What paths are followed with.
+    #[must_use]
+    pub fn level(&self) -> Level {
+        self.level
     }
 
     /// Follows all samples of a batch to their ends.
@@ -64,6 +74,7 @@ impl Path {
         let around = Surroundings {
             scene: stage.scene,
             lights: &self.lights,
+            surfaces: &self.surfaces,
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,

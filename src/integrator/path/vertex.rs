@@ -2,15 +2,16 @@
 
 use super::lights::Lights;
 use super::met::{Met, WIDEST, hit_of};
+use super::surfaces::Surfaces;
 use super::wave::{Guarded, Guards, Paths, Shadows, Slots, Wave};
 use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, answer};
-use crate::bsdf::{Lobe, Mix, with_lobe};
+use crate::bsdf::{Lobe, with_lobe};
 use crate::geometry::{PlacementId, spawn};
 use crate::integrator::shading::{Lifted, Shading, lifted};
 use crate::integrator::{Counters, Stage};
 use crate::light::{Emitter, Light, LightId, LightSample, Reference};
-use crate::material::{Material, Media};
+use crate::material::{Layer, Material, Media, Scattering};
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
@@ -21,6 +22,7 @@ use crate::scene::Scene;
 pub(super) struct Surroundings<'a> {
     pub(super) scene: &'a Scene,
     pub(super) lights: &'a Lights,
+    pub(super) surfaces: &'a Surfaces,
     pub(super) sampler: SamplerKind,
     pub(super) seed: u32,
     pub(super) max_depth: u32,
@@ -59,10 +61,13 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
         let Wave { paths, shadows, guards, slots } = wave;
         let lanes = State::load(isa, paths, at);
-        let met = Met::of(isa, around.scene, packet, isa.first(count));
+        let met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
         if met.hit.none() {
             return 0;
+        }
+        if depth == 1 {
+            slots.meet(met.hit, lanes.slot);
         }
         shine(isa, around, slots, (&lanes, &met), packet);
         if depth >= around.max_depth {
@@ -76,18 +81,27 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let index = isa.gather_u32(slots.index.all(), lanes.slot);
         let sampler = around.sampler.start(around.seed, pixel, index);
         let light = asked(isa, around, (&met, &shading), (&sampler, vertex));
+        let choice =
+            if around.surfaces.choices { sampler.get_1d(Dim::LobeChoice, vertex) } else { isa.splat(0.0) };
         let question = Question {
             wo: shading.wo,
             light: shading.frame.to_local(light.wi),
             light_pdf: light.shared_pdf,
-            choice: sampler.get_1d(Dim::LobeChoice, vertex),
+            choice,
             direction: sampler.get_2d(Dim::LobeDirection, vertex),
+            // Where media hide surfaces, paths get to lights that rays towards them do not reach.
+            last: depth + 1 == around.max_depth && !around.media,
         };
-        let found = scatter(isa, around.scene, &met, beyond, &question);
+        let mut found = scatter(isa, around.scene, &met, beyond, &question);
         let at = Here { scene: around.scene, packet, lanes: &lanes, met: &met, shading: &shading };
-        send_shadows(isa, (shadows, guards), &at, (&light, &question), found.lit);
+        ask_lights(isa, (shadows, guards), &at, (&light, &question), found.lit);
         if around.media {
             absorb_shadows(around.scene, shadows, slots);
+        }
+        if question.last {
+            let unshared = found.step.valid & found.step.pdf.lt(0.0) & met.hit;
+            found.step.valid = found.step.valid & !unshared;
+            ask_sky(isa, (shadows, guards), &at, (&found.step, unshared));
         }
         let next = go_on(isa, (guards, to), &at, found.step);
         counters.bounced += next.goes.count() as u64;
@@ -166,22 +180,19 @@ fn shine<S: Isa, const N: usize>(
     (lanes, met): (&State<S>, &Met<S>),
     packet: &Packet<N>,
 ) {
+    let shining = around.surfaces.shine(isa, met.materials) & met.hit;
+    if shining.none() {
+        return;
+    }
     let scene = around.scene;
-    let mut bits = met.hit.bits();
-    let mut shining = 0;
+    let mut bits = shining.bits();
     let mut rows = [[0.0; WIDEST]; 3];
-    let mut names = [0; WIDEST];
-    lanes.slot.store(&mut names);
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        slots.met[names[lane] as usize] = true;
-        if scene.materials[met.materials[lane] as usize].emission.is_none() {
-            continue;
-        }
         let (ng, d) = (met.points.ng.extract(lane), lanes.d.extract(lane));
-        let emitted = scene.materials[met.materials[lane] as usize].emitted(d.dot(ng) < 0.0);
-        let placement = PlacementId(met.placements[lane]);
+        let emitted = scene.materials[met.materials.extract(lane) as usize].emitted(d.dot(ng) < 0.0);
+        let placement = PlacementId(met.placements.extract(lane));
         let emitter =
             Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };
         let asked = scene.light_id_of(placement).map_or(0.0, |id| {
@@ -190,12 +201,9 @@ fn shine<S: Isa, const N: usize>(
         });
         let Rgb { r, g, b } = emitted.scale(share(lanes.pdf.extract(lane), asked));
         [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
-        shining |= 1 << lane;
     }
-    if shining != 0 {
-        let light = Rgb::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]));
-        slots.add(met.hit, lanes.slot, lanes.beta * light);
-    }
+    let light = Rgb::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]));
+    slots.add(shining, lanes.slot, lanes.beta * light);
 }
 
 /// First tangents of surfaces that are not the same in all directions, zero for the others.
@@ -206,7 +214,7 @@ fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        let material = &scene.materials[met.materials[lane] as usize];
+        let material = &scene.materials[met.materials.extract(lane) as usize];
         if let Some(tangent) = tangent_of(scene, packet, lane, material) {
             [rows[0][lane], rows[1][lane], rows[2][lane]] = tangent.to_array();
         }
@@ -342,46 +350,75 @@ fn scatter<S: Isa, const N: usize>(
     beyond: &[(Media, f32); N],
     question: &Question<S::F>,
 ) -> Answer<S::F> {
-    let mut etas = [1.0; WIDEST];
-    etas.iter_mut().zip(beyond).for_each(|(to, (_, eta))| *to = *eta);
-    let eta = isa.load(&etas);
-    let ids = isa.load_u32(&met.materials);
+    let eta = isa.per_lane(|lane| beyond[lane].1);
     let mut all = Answer::black(question.wo);
     let mut bits = met.hit.bits();
     while bits != 0 {
-        let id = met.materials[bits.trailing_zeros() as usize];
-        let same = Compare::<u32>::eq(ids, id) & met.hit;
+        let id = met.materials.extract(bits.trailing_zeros() as usize);
+        let same = Compare::<u32>::eq(met.materials, id) & met.hit;
         bits &= !same.bits();
-        let Some(mix) = scene.materials[id as usize].bsdf(met.points.uv, eta) else { continue };
-        all = Answer::select(same, of_mix(isa, &mix, question), all);
+        let found = of_material(isa, &scene.materials[id as usize].scattering, (met, eta), question);
+        if same.bits() == met.hit.bits() {
+            return found;
+        }
+        all = Answer::select(same, found, all);
     }
     all
 }
 
-/// One of the parts is chosen for the way on, each with the probability of its greatest weight.
 #[inline(always)]
-fn of_mix<S: Isa>(isa: S, mix: &Mix<S::F>, question: &Question<S::F>) -> Answer<S::F> {
-    let mut total = isa.splat(0.0);
-    for part in mix.parts() {
-        total += part.weight.max_channel();
+fn of_material<S: Isa>(
+    isa: S,
+    scattering: &Scattering,
+    (met, eta): (&Met<S>, S::F),
+    question: &Question<S::F>,
+) -> Answer<S::F> {
+    match scattering {
+        Scattering::Mix(layers) => of_layers(isa, layers, (met, eta), question),
+        single => match single.single(met.points.uv, eta) {
+            Some(bsdf) => with_lobe!(&bsdf, lobe => ask(isa, lobe, question)),
+            None => Answer::black(question.wo),
+        },
     }
-    let per = total.max(1e-30).recip();
+}
+
+/// One of the layers is chosen for the way on, each with the probability of its greatest weight.
+#[inline(always)]
+fn of_layers<S: Isa>(
+    isa: S,
+    layers: &[Layer],
+    (met, eta): (&Met<S>, S::F),
+    question: &Question<S::F>,
+) -> Answer<S::F> {
+    let mut total = 0.0;
+    for layer in layers {
+        total += share_of(layer);
+    }
     let mut all = Answer::black(question.wo);
-    let mut at = isa.splat(0.0);
-    for part in mix.parts() {
-        let probability = part.weight.max_channel() * per;
-        let inverse = probability.max(1e-30).recip();
-        let chosen = question.choice.ge(at) & probability.gt(0.0);
-        // What is left of the number is as good as new within the part.
+    let mut at = 0.0;
+    for layer in layers {
+        let probability = share_of(layer) / total;
+        if share_of(layer) <= 0.0 {
+            continue;
+        }
+        let Some(bsdf) = layer.scattering.single(met.points.uv, eta) else { continue };
+        let chosen = question.choice.ge(at);
+        let inverse = 1.0 / probability;
+        // What is left of the number is as good as new within the layer.
         let choice = ((question.choice - at) * inverse).clamp(0.0, 1.0 - f32::EPSILON);
         let own = Question { choice, light_pdf: question.light_pdf * inverse, ..*question };
-        let Answer { lit, step } = with_lobe!(&part.bsdf, lobe => ask(isa, lobe, &own));
-        let weight = step.weight * part.weight * inverse;
-        let step = Step { weight, pdf: step.pdf * probability, ..step };
-        all = Answer { lit: all.lit + lit * part.weight, step: Step::select(chosen, step, all.step) };
+        let Answer { lit, step } = with_lobe!(&bsdf, lobe => ask(isa, lobe, &own));
+        let weight = Rgb::splat(eta, layer.weight);
+        let step = Step { weight: step.weight * weight.scale(inverse), pdf: step.pdf * probability, ..step };
+        all = Answer { lit: all.lit + lit * weight, step: Step::select(chosen, step, all.step) };
         at += probability;
     }
     all
+}
+
+/// What of a choice falls to a layer; a black one has no way on.
+fn share_of(layer: &Layer) -> f32 {
+    if matches!(layer.scattering, Scattering::Black) { 0.0 } else { layer.weight.max_channel() }
 }
 
 /// A function of its own per lobe and instruction set: in one piece, kernels take minutes to compile.
@@ -434,23 +471,59 @@ fn lifted_of<const N: usize>(
 
 /// Queues the rays towards lights that would matter.
 #[inline(always)]
-fn send_shadows<S: Isa, const N: usize>(
+fn ask_lights<S: Isa, const N: usize>(
     isa: S,
-    (shadows, guards): (&mut Shadows, &mut Guards),
+    queues: (&mut Shadows, &mut Guards),
     at: &Here<'_, S, N>,
     (light, question): (&Asked<S>, &Question<S::F>),
     lit: Rgb<S::F>,
 ) {
-    let (points, lanes) = (&at.met.points, at.lanes);
     let cos = question.light.z;
-    let carried = lanes.beta * lit * light.li * (cos / light.pdf);
-    let wanted = light.valid & cos.gt(0.0) & at.met.hit & !carried.is_black();
+    let carried = at.lanes.beta * lit * light.li * (cos / light.pdf);
+    let wanted = light.valid & cos.gt(0.0) & at.met.hit;
+    let d = Vec3::select(light.infinite, light.wi, light.p - at.met.points.p);
+    let end = S::F::select(light.infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
+    queue(queues, at, (&Towards { d, wi: light.wi, end, carried }, wanted));
+}
+
+/// Queues rays of the last ways on towards an environment that is the same all around, which is not asked.
+#[inline(always)]
+fn ask_sky<S: Isa, const N: usize>(
+    isa: S,
+    queues: (&mut Shadows, &mut Guards),
+    at: &Here<'_, S, N>,
+    (step, wanted): (&Step<S::F>, S::M),
+) {
+    let Some((_, environment)) = at.scene.environment_light() else { return };
+    let Some(radiance) = environment.constant() else { return };
+    let wi = at.shading.to_world(step.wi);
+    let carried = at.lanes.beta * step.weight * Rgb::splat(isa.splat(0.0), radiance);
+    let end = isa.splat(f32::INFINITY);
+    queue(queues, at, (&Towards { d: wi, wi, end, carried }, wanted));
+}
+
+/// Rays towards lights above their surfaces.
+struct Towards<F> {
+    d: Vec3<F>,
+    /// The same as a unit vector.
+    wi: Vec3<F>,
+    end: F,
+    carried: Rgb<F>,
+}
+
+#[inline(always)]
+fn queue<S: Isa, const N: usize>(
+    (shadows, guards): (&mut Shadows, &mut Guards),
+    at: &Here<'_, S, N>,
+    (way, wanted): (&Towards<S::F>, S::M),
+) {
+    let (points, lanes) = (&at.met.points, at.lanes);
+    let Towards { d, wi, end, carried } = *way;
+    let wanted = wanted & !carried.is_black();
     if wanted.none() {
         return;
     }
-    let straight = light.wi.dot(at.shading.ng).gt(0.0);
-    let d = Vec3::select(light.infinite, light.wi, light.p - points.p);
-    let end = S::F::select(light.infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
+    let straight = wi.dot(at.shading.ng).gt(0.0);
     let o = spawn::origin(points.p, points.p_error, points.ng, d);
     let (to, sent) = (shadows.rays.len, wanted & straight);
     shadows.rays.pack(to, sent, (o, d, lanes.time, lanes.slot));
@@ -462,8 +535,9 @@ fn send_shadows<S: Isa, const N: usize>(
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        let Some(Lifted { ray, guard }) = at.lifted(lane, light.wi, false) else { continue };
-        let ray = if light.infinite.extract(lane) { ray } else { ray.towards(light.p.extract(lane).into()) };
+        let Some(Lifted { ray, guard }) = at.lifted(lane, wi, false) else { continue };
+        let end = end.extract(lane);
+        let ray = if end.is_finite() { ray.towards((points.p + d).extract(lane).into()) } else { ray };
         guards.0.push((guard, Guarded::Shadow(shadows.rays.len)));
         shadows.push(&ray, lanes.slot.extract(lane), carried.extract(lane));
     }

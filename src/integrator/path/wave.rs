@@ -4,7 +4,7 @@ use crate::accel::{Packet, RayPacket};
 use crate::geometry::Ray;
 use crate::integrator::Radiance;
 use crate::material::Media;
-use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes};
+use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes, Wrapping};
 use crate::math::{Rgb, Vec3};
 
 /// Room behind the last entry of every array, so that the widest lanes can be loaded and stored anywhere.
@@ -96,6 +96,15 @@ impl Columns3 {
         z.store(at, v.z.compress(mask));
     }
 
+    /// All lanes, to `at` and on.
+    #[inline(always)]
+    fn store<F: Lanes>(&mut self, at: usize, v: Vec3<F>) {
+        let [x, y, z] = &mut self.0;
+        x.store(at, v.x);
+        y.store(at, v.y);
+        z.store(at, v.z);
+    }
+
     fn set(&mut self, i: usize, values: [f32; 3]) {
         self.0.iter_mut().zip(values).for_each(|(column, value)| column.0[i] = value);
     }
@@ -133,6 +142,15 @@ impl Rays {
         self.d.set(at, ray.d.into());
         self.time.0[at] = ray.time;
         self.slot.0[at] = slot;
+    }
+
+    /// All lanes, to `at` and on.
+    #[inline(always)]
+    fn store<F: Lanes>(&mut self, at: usize, (o, d, time, slot): (Vec3<F>, Vec3<F>, F, F::Int)) {
+        self.o.store(at, o);
+        self.d.store(at, d);
+        self.time.store(at, time);
+        self.slot.store(at, slot);
     }
 
     /// Packs the lanes of the mask to `at` and on.
@@ -256,7 +274,7 @@ pub(super) struct Slots {
     pub(super) sum: Vec<Rgb<f32>>,
     /// Whether it met a surface.
     pub(super) met: Vec<bool>,
-    /// What the path is inside of.
+    /// What the path is inside of; empty where the scene has no media.
     pub(super) media: Vec<Media>,
 }
 
@@ -265,6 +283,16 @@ impl Slots {
     #[inline(always)]
     pub(super) fn pixel_of<S: Isa>(&self, isa: S, axis: usize, slots: S::I) -> S::I {
         isa.gather_u32(self.pixel[axis].all(), slots)
+    }
+
+    /// Notes that the samples of the lanes that are set have met a surface.
+    #[inline(always)]
+    pub(super) fn meet<I: IntLanes>(&mut self, mask: I::Mask, slots: I) {
+        let mut bits = mask.bits();
+        while bits != 0 {
+            self.met[slots.extract(bits.trailing_zeros() as usize) as usize] = true;
+            bits &= bits - 1;
+        }
     }
 
     /// Adds light to the samples of the lanes that are set.
@@ -298,7 +326,8 @@ impl Wave {
     /// Forgets the samples of the last batch and makes room for `len`.
     pub fn clear(&mut self, len: usize) {
         self.paths.reserve(len);
-        self.shadows.reserve(len);
+        // Towards a light, and at the last vertex also towards the environment.
+        self.shadows.reserve(2 * len);
         for column in self.slots.pixel.iter_mut().chain([&mut self.slots.index]) {
             column.reserve(len);
         }
@@ -308,23 +337,35 @@ impl Wave {
         self.paths.rays.len = 0;
     }
 
-    /// Adds sample `index` of a pixel, whose camera ray starts in `media`.
-    ///
-    /// # Panics
-    /// Where there is no room for it.
-    pub fn push(&mut self, pixel: [u32; 2], index: u32, ray: &Ray, media: Media) {
+    /// Adds the first `count` samples of the lanes: pixels and indices, and their camera rays. They start in no medium.
+    #[inline(always)]
+    pub fn begin<S: Isa>(
+        &mut self,
+        isa: S,
+        count: usize,
+        (pixel, index): ([S::I; 2], S::I),
+        (o, d, time): (Vec3<S::F>, Vec3<S::F>, S::F),
+    ) {
         let Self { paths, slots, .. } = self;
         let at = paths.rays.len;
-        paths.rays.set(at, ray, u32::try_from(at).unwrap_or(u32::MAX));
-        paths.beta.set(at, [1.0; 3]);
-        paths.pdf.0[at] = 0.0;
-        slots.pixel[0].0[at] = pixel[0];
-        slots.pixel[1].0[at] = pixel[1];
-        slots.index.0[at] = index;
-        slots.sum.push(Rgb::BLACK);
-        slots.met.push(false);
-        slots.media.push(media);
-        paths.rays.len += 1;
+        let slot = Wrapping::<u32>::wrapping_add(isa.iota(), u32::try_from(at).unwrap_or(u32::MAX));
+        paths.rays.store(at, (o, d, time, slot));
+        let one = isa.splat(1.0);
+        paths.beta.store(at, Vec3::new(one, one, one));
+        paths.pdf.store(at, isa.splat(0.0));
+        slots.pixel[0].store(at, pixel[0]);
+        slots.pixel[1].store(at, pixel[1]);
+        slots.index.store(at, index);
+        paths.rays.len += count;
+        slots.sum.resize(paths.rays.len, Rgb::BLACK);
+        slots.met.resize(paths.rays.len, false);
+    }
+
+    /// Says what the camera rays start in, by their moments.
+    pub fn set_media(&mut self, media_at: impl Fn(f32) -> Media) {
+        let times = &self.paths.rays.time.all()[..self.paths.rays.len];
+        self.slots.media.clear();
+        self.slots.media.extend(times.iter().map(|&time| media_at(time)));
     }
 
     /// How many samples there are, on their way or at home.

@@ -42,10 +42,19 @@ pub trait Isa: Copy + Debug + Send + Sync + 'static {
     fn gather(self, table: &[f32], index: Self::I) -> Self::F;
     /// `table[index]` in each lane; zero where the index is outside the table.
     fn gather_u32(self, table: &[u32], index: Self::I) -> Self::I;
+    /// The row `table[index]` of each lane, as columns; zeros where the index is outside the table.
+    fn gather_rows(self, table: &[[f32; 3]], index: Self::I) -> [Self::F; 3];
     /// `f(i)` in lane i. Slow; `f` must not compute with lanes.
     fn per_lane(self, f: impl FnMut(usize) -> f32) -> Self::F;
     /// `f(i)` in lane i. Slow; `f` must not compute with lanes.
     fn per_lane_u32(self, f: impl FnMut(usize) -> u32) -> Self::I;
+
+    /// The row `table[index]` of each lane, as columns; as [`Self::gather_rows`].
+    #[inline(always)]
+    fn gather_rows_u32(self, table: &[[u32; 3]], index: Self::I) -> [Self::I; 3] {
+        let [a, b, c] = self.gather_rows(bytemuck::cast_slice(table), index);
+        [a.to_bits(), b.to_bits(), c.to_bits()]
+    }
 
     /// True in the first `n` lanes.
     #[inline(always)]

@@ -81,6 +81,15 @@ impl<const N: usize> Isa for Portable<N> {
         PortableU32(each!(0, |i| table.get(index.0[i] as usize).copied().unwrap_or(0)))
     }
     #[inline(always)]
+    fn gather_rows(self, table: &[[f32; 3]], index: Self::I) -> [Self::F; 3] {
+        let row = |i: usize| table.get(index.0[i] as usize).copied().unwrap_or_default();
+        [
+            PortableF32(each!(0.0, |i| row(i)[0])),
+            PortableF32(each!(0.0, |i| row(i)[1])),
+            PortableF32(each!(0.0, |i| row(i)[2])),
+        ]
+    }
+    #[inline(always)]
     fn per_lane(self, mut f: impl FnMut(usize) -> f32) -> Self::F {
         PortableF32(each!(0.0, |i| f(i)))
     }

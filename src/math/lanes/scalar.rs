@@ -50,6 +50,10 @@ impl Isa for Scalar {
         table.get(index as usize).copied().unwrap_or(0)
     }
     #[inline(always)]
+    fn gather_rows(self, table: &[[f32; 3]], index: u32) -> [f32; 3] {
+        table.get(index as usize).copied().unwrap_or_default()
+    }
+    #[inline(always)]
     fn per_lane(self, mut f: impl FnMut(usize) -> f32) -> f32 {
         f(0)
     }

@@ -1,0 +1,76 @@
+//! What is asked of a scene's surfaces at every vertex, in tables for lanes.
+
+use super::met::WIDEST;
+use crate::geometry::PlacementId;
+use crate::material::Scattering;
+use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes};
+use crate::scene::Scene;
+
+/// Stands for a shape whose primitives are of several materials.
+const SEVERAL: u32 = u32::MAX;
+
+/// Materials by placement, and which of them shine.
+#[derive(Debug)]
+pub(super) struct Surfaces {
+    materials: Vec<u32>,
+    /// By material: 1 where it shines, else 0.
+    shines: Vec<u32>,
+    /// Whether any changes over its surface.
+    pub(super) textured: bool,
+    /// Whether any leaves a choice of ways on.
+    pub(super) choices: bool,
+}
+
+impl Surfaces {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let placements = (0..).map(PlacementId).take(scene.world.placements.len());
+        let materials = placements.map(|id| scene.only_material_of(id).map_or(SEVERAL, |id| id.0)).collect();
+        let shines = scene.materials.iter().map(|material| u32::from(material.emission.is_some())).collect();
+        let any = |has: fn(&Scattering) -> bool| scene.materials.iter().any(|m| has(&m.scattering));
+        let (textured, choices) = (any(Scattering::is_textured), any(Scattering::has_choice));
+        Self { materials, shines, textured, choices }
+    }
+
+    /// The material of each lane of the mask; unspecified in the others.
+    #[inline(always)]
+    pub(super) fn materials<S: Isa>(
+        &self,
+        isa: S,
+        scene: &Scene,
+        (placements, prims): (S::I, S::I),
+        mask: S::M,
+    ) -> S::I {
+        let found = isa.gather_u32(&self.materials, placements);
+        let open = Compare::<u32>::eq(found, SEVERAL) & mask;
+        if open.none() {
+            return found;
+        }
+        let (mut names, mut rows) = ([0; WIDEST], [[0; WIDEST]; 2]);
+        found.store(&mut names);
+        placements.store(&mut rows[0]);
+        prims.store(&mut rows[1]);
+        by_primitive(scene, &rows, open.bits(), &mut names);
+        isa.load_u32(&names)
+    }
+
+    /// Whether the materials shine.
+    #[inline(always)]
+    pub(super) fn shine<S: Isa>(&self, isa: S, materials: S::I) -> S::M {
+        Compare::<u32>::ne(isa.gather_u32(&self.shines, materials), 0)
+    }
+}
+
+/// Out of line: scalar work, the same for all instruction sets.
+#[inline(never)]
+fn by_primitive(
+    scene: &Scene,
+    [placements, prims]: &[[u32; WIDEST]; 2],
+    mut bits: u32,
+    names: &mut [u32; WIDEST],
+) {
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        names[lane] = scene.material_of(PlacementId(placements[lane]), prims[lane]).0;
+    }
+}
