@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use specula::accel::Brute;
 use specula::film::{Aov, Film};
 use specula::geometry::Ray;
-use specula::integrator::{Integrator, Splitting, Stage, Whitted, Worker};
+use specula::integrator::{CameraRay, Integrator, Splitting, Stage, Whitted, Worker};
 use specula::material::Media;
 use specula::render::{Settings, Silent, render};
 use specula::sampling::SamplerKind;
@@ -36,7 +36,7 @@ fn measure(scene: &Scene, tree: Whitted, ray: Ray, kind: SamplerKind, [pixels, s
     Estimate::of((0..pixels).map(|pixel| {
         let mut sample = |index| {
             let sampler = kind.start(7, [pixel, 0], index);
-            f64::from(tree.li(&stage, &ray, &sampler, &mut worker).color.g)
+            f64::from(tree.li(&stage, &CameraRay { ray, found: None }, &sampler, &mut worker).color.g)
         };
         (0..spp).map(&mut sample).sum::<f64>() / f64::from(spp)
     }))

@@ -9,7 +9,7 @@ use specula::accel::Brute;
 use specula::bsdf::microfacet::{Distribution, Ggx};
 use specula::bsdf::{FresnelModel, Glass, RoughDielectric};
 use specula::geometry::Ray;
-use specula::integrator::{Integrator, Splitting, Stage, Whitted, Worker};
+use specula::integrator::{CameraRay, Integrator, Splitting, Stage, Whitted, Worker};
 use specula::material::{Media, Scattering};
 use specula::sampling::SamplerKind;
 use specula::scene::{self, Scene};
@@ -24,7 +24,7 @@ fn mean(scene: &Scene, ray: Ray, count: u32) -> (f64, f64) {
     let found: Vec<f64> = (0..count)
         .map(|index| {
             let sampler = SamplerKind::OwenSobol.start(1, [0_u32, 0], index);
-            f64::from(whitted.li(&stage, &ray, &sampler, &mut worker).color.g)
+            f64::from(whitted.li(&stage, &CameraRay { ray, found: None }, &sampler, &mut worker).color.g)
         })
         .collect();
     let mean = found.iter().sum::<f64>() / f64::from(count);

@@ -176,26 +176,41 @@ fn all() -> String {
 }
 
 #[test]
-fn lanes_bring_home_what_single_paths_do() {
-    let with = |query: &str| {
-        picture(&scene_of(&all().replace("spp = 16", &format!("spp = 16\n    query = \"{query}\""))))
-    };
-    let (single, stream) = (with("single"), with("stream"));
-    let differences = single.pixels().iter().zip(stream.pixels()).map(|(a, b)| {
+fn packets_and_streams_bring_home_what_single_rays_do() {
+    for integrator in ["path", "whitted", "distribution", "view"] {
+        let with = |query: &str| {
+            let settings = format!("integrator = \"{integrator}\"\n    query = \"{query}\"");
+            picture(&scene_of(&all().replace("integrator = \"path\"", &settings)))
+        };
+        let single = with("single");
+        for query in ["packet", "stream"] {
+            compare(&format!("{integrator}, {query}"), &single, &with(query));
+        }
+    }
+}
+
+/// A ray that meets an edge or a path that chooses within rounding goes elsewhere: few pixels, and no bias.
+fn compare(what: &str, single: &Image, other: &Image) {
+    let differences = single.pixels().iter().zip(other.pixels()).map(|(a, b)| {
         let largest = a.max_channel().max(b.max_channel()).max(1e-3);
         ((a.r - b.r).abs().max((a.g - b.g).abs()).max((a.b - b.b).abs())) / largest
     });
-    let (mut apart, mut most) = (0, 0.0_f32);
+    let (mut changed, mut apart, mut most) = (0, 0, 0.0_f32);
     for difference in differences {
+        changed += usize::from(difference > 0.0);
         apart += usize::from(difference > 1e-3);
         most = most.max(difference);
     }
-    // A path that meets an edge or chooses a way within rounding goes elsewhere: few pixels, and no bias.
     let count = single.pixels().len();
-    println!("{apart} of {count} pixels differ by more than a thousandth, the most by {most}");
-    assert!(apart * 50 < count, "{apart} of {count} pixels differ");
-    let (a, b) = (mean(&single), mean(&stream));
-    assert!((a.r - b.r).abs() < 2e-3 * a.r && (a.b - b.b).abs() < 2e-3 * a.b, "means {a:?} and {b:?}");
+    println!(
+        "{what}: {changed} of {count} pixels differ, {apart} by more than a thousandth, the most by {most}"
+    );
+    assert!(apart * 50 < count, "{what}: {apart} of {count} pixels differ");
+    let (a, b) = (mean(single), mean(other));
+    assert!(
+        (a.r - b.r).abs() < 2e-3 * a.r && (a.b - b.b).abs() < 2e-3 * a.b,
+        "{what}: means {a:?} and {b:?}"
+    );
 }
 
 /// Light of one bounce is what the ray tree finds, too.

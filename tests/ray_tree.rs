@@ -7,7 +7,7 @@ mod support;
 use glam::Vec3;
 use specula::accel::Brute;
 use specula::geometry::Ray;
-use specula::integrator::{Counters, Integrator, Radiance, Splitting, Stage, Whitted, Worker};
+use specula::integrator::{CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Whitted, Worker};
 use specula::material::Media;
 use specula::sampling::SamplerKind;
 use specula::scene::Scene;
@@ -19,7 +19,7 @@ fn trace(scene: &Scene, whitted: Whitted, ray: Ray, index: u32) -> (Radiance, Co
     let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
     let mut worker = Worker::default();
     let sampler = SamplerKind::Independent.start(1, [0_u32, 0], index);
-    let found = whitted.li(&stage, &ray, &sampler, &mut worker);
+    let found = whitted.li(&stage, &CameraRay { ray, found: None }, &sampler, &mut worker);
     (found, worker.counters)
 }
 

@@ -112,10 +112,13 @@ fn threads_and_crops_do_not_change_a_bit() {
 }
 
 #[test]
-fn paths_do_not_change_a_bit_either() {
-    for (query, spp) in [("single", 3), ("stream", 3), ("stream", 16)] {
-        let settings = format!("spp = {spp}\n    integrator = \"path\"\n    query = \"{query}\"");
-        assert_the_same(&format!("{query}, {spp}"), &scene_of(&SCENE.replace("spp = 5", &settings)));
+fn no_way_to_trace_rays_lets_a_bit_change() {
+    for integrator in ["path", "whitted", "distribution"] {
+        for (query, spp) in [("single", 3), ("packet", 3), ("packet", 16), ("stream", 3), ("stream", 16)] {
+            let settings = format!("spp = {spp}\n    integrator = \"{integrator}\"\n    query = \"{query}\"");
+            let scene = scene_of(&SCENE.replace("spp = 5", &settings));
+            assert_the_same(&format!("{integrator}, {query}, {spp}"), &scene);
+        }
     }
 }
 

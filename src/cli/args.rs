@@ -66,7 +66,7 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
     pub backend: Option<String>,
 
-    /// How the integrator `path` asks for hits: many paths side by side, or one after the other
+    /// How rays are traced: one by one, in packets, or in streams of many samples
     #[arg(long, value_name = "NAME", value_parser = Words::of(Query::ALL, Query::word))]
     pub query: Option<String>,
 

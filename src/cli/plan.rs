@@ -8,6 +8,7 @@ use serde_json::{Value, json};
 use super::args::PlanArgs;
 use super::{log, output};
 use crate::error::{Problem, Result};
+use crate::render::{self, Chosen};
 use crate::scene::needs::capability::Capability;
 use crate::scene::needs::{Need, Needs, length};
 use crate::scene::{self, Built, Scene};
@@ -87,6 +88,8 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
         ),
     );
     line("backend", &backend_use(scene, needs).join("; "));
+    let Chosen { query, why } = render::query(scene);
+    line("query", &format!("{}: {why}", query.word()));
     let (required, left_out): (Vec<&Need>, Vec<&Need>) =
         needs.capabilities.iter().partition(|need| need.count > 0);
     text += &table(&required, &left_out);
@@ -153,6 +156,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         "spp": scene.render.spp,
         "integrator": scene.render.integrator.word(),
         "backend": { "name": scene.render.backend.word(), "uses": backend_use(scene, needs) },
+        "query": { "name": render::query(scene).query.word(), "why": render::query(scene).why },
         "capabilities": needs.capabilities.iter().map(capability).collect::<Vec<_>>(),
         "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
     })

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::options::RenderOptions;
 use crate::film::SampleId;
-use crate::render::{Phase, Rendered};
+use crate::render::{self, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::Integrator;
 
@@ -43,10 +43,9 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         ("cpu_render_s", seconds(statistics.render.cpu).to_string()),
         ("non_finite_samples", rendered.film.non_finite().count().to_string()),
     ];
-    match settings.integrator {
-        Integrator::View => entries.push(("view", settings.view.word().to_owned())),
-        Integrator::Path => entries.push(("query", settings.query.word().to_owned())),
-        Integrator::Whitted | Integrator::Distribution => {}
+    entries.push(("query", render::query(scene).query.word().to_owned()));
+    if settings.integrator == Integrator::View {
+        entries.push(("view", settings.view.word().to_owned()));
     }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
     entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value)).collect()
@@ -64,6 +63,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
         "integrator": scene.render.integrator.word(),
         "backend": statistics.backend,
         "isa": statistics.isa,
+        "query": render::query(scene).query.word(),
         "threads": statistics.threads,
         "width": scene.film.width,
         "height": scene.film.height,

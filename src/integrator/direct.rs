@@ -6,7 +6,7 @@ use crate::bsdf::{Lobes, Mix};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{Counters, Stage};
+use crate::integrator::{Counters, Stage, Worker};
 use crate::light::{Emitter, Light, LightSample, Reference};
 use crate::material::{Material, MaterialId};
 use crate::math::{Rgb, Vec3};
@@ -38,12 +38,14 @@ impl Receiver<'_> {
 /// heuristic with their numbers of rays (Veach 1997, Robust Monte Carlo Methods, 9.2). Diffuse lobes are not followed and
 /// take all. Lights without size, which always give the same answer, are asked once. A constant environment is left to the
 /// rays of glossy lobes: they know all that there is to know of it, and where it is free sharing adds noise.
+///
+/// Where the worker defers rays, what they will bring, times `carried`, is left out here.
 pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
-    sampler: &S,
-    vertex: Vertex,
-    counters: &mut Counters,
+    (sampler, vertex): (&S, Vertex),
+    carried: Rgb<f32>,
+    worker: &mut Worker,
 ) -> Rgb<f32> {
     let mut sum = Rgb::BLACK;
     let lobes = receiver.mix.lobes();
@@ -52,8 +54,10 @@ pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
     }
     for (index, light) in (0..).zip(&stage.scene.lights) {
         let ways: &[bool] = if lobes.intersects(Lobes::THROUGH) { &[false, true] } else { &[false] };
+        let factor = receiver.counts.light_factor().max(1.0).recip();
+        let carried = if light.is_delta() { carried } else { carried.scale(factor) };
         let mut ask = |u2: [f32; 2]| {
-            let of = |&below: &bool| from_light(stage, receiver, light, (u2, below), counters);
+            let of = |&below: &bool| from_light(stage, receiver, light, (u2, below, carried), worker);
             ways.iter().map(of).fold(Rgb::BLACK, |all, one| all + one)
         };
         if light.is_delta() {
@@ -65,7 +69,7 @@ pub(super) fn light<A: Accel, S: Sampler<I = u32>>(
         for j in 0..count {
             of_light += ask(sampler.get_2d_split(Dim::LightPoint(index), vertex, j, count));
         }
-        sum += of_light.scale(receiver.counts.light_factor().max(1.0).recip());
+        sum += of_light.scale(factor);
     }
     sum
 }
@@ -75,9 +79,10 @@ fn from_light<A: Accel>(
     stage: &Stage<'_, A>,
     receiver: &Receiver<'_>,
     light: &Light,
-    (u2, below): ([f32; 2], bool),
-    counters: &mut Counters,
+    (u2, below, carried): ([f32; 2], bool, Rgb<f32>),
+    worker: &mut Worker,
 ) -> Rgb<f32> {
+    let counters = &mut worker.counters;
     let sample = light.sample(receiver.reference(below), u2);
     let (diffuse, glossy) = scattered(receiver, light, &sample, below);
     if (diffuse + glossy).is_black() {
@@ -85,14 +90,17 @@ fn from_light<A: Accel>(
     }
     let Some(ray) = towards(stage, receiver, light, (&sample, below), counters) else { return Rgb::BLACK };
     let straight = !diffuse.is_black() && stage.scene.glass_shadows == GlassShadows::Straight;
-    let seen = visibility(stage, &ray, light, (&sample, straight), counters);
-    if !seen.clear {
-        // Through glass the rays of glossy lobes find their own, bent way.
-        return diffuse * seen.through;
-    }
     let medium = receiver.media[usize::from(below)];
     let length = if light.is_infinite() { f32::INFINITY } else { (sample.p - receiver.it.p.into()).length() };
-    (diffuse + glossy) * stage.scene.absorbed(medium, length)
+    let unhindered = (diffuse + glossy) * stage.scene.absorbed(medium, length);
+    if let Some(deferred) = worker.deferred.as_mut().filter(|_| !straight) {
+        counters.shadow += 1;
+        deferred.push(&ray, carried * unhindered);
+        return Rgb::BLACK;
+    }
+    let seen = visibility(stage, &ray, light, (&sample, straight), counters);
+    // Through glass the rays of glossy lobes find their own, bent way.
+    if seen.clear { unhindered } else { diffuse * seen.through }
 }
 
 /// What diffuse and glossy lobes make of a light's sample on one side, were nothing in between.

@@ -4,6 +4,7 @@
 //! scratch memory, belongs to one thread: [`Worker`].
 
 mod counters;
+mod deferred;
 mod direct;
 mod path;
 mod shading;
@@ -12,13 +13,14 @@ mod view;
 mod whitted;
 
 pub use counters::Counters;
+pub use deferred::Deferred;
 pub use path::{Path, Wave};
 pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;
 
 use crate::accel::Accel;
-use crate::geometry::{Interaction, Ray};
+use crate::geometry::{Hit, Interaction, Ray};
 use crate::material::{Material, Media};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
@@ -32,6 +34,16 @@ pub struct Radiance {
     pub color: Rgb<f32>,
     /// 1 where a surface was hit, 0 where not.
     pub alpha: f32,
+}
+
+impl Radiance {
+    /// What a film keeps of it: red, green, blue and alpha.
+    #[inline]
+    #[must_use]
+    pub fn values(self) -> [f32; 4] {
+        let Self { color: Rgb { r, g, b }, alpha } = self;
+        [r, g, b, alpha]
+    }
 }
 
 /// A frozen scene, and what finds hits in it.
@@ -52,15 +64,35 @@ pub struct Worker {
     pub counters: Counters,
     /// Branches of the ray tree still to be followed; empty between camera rays.
     pub(crate) pending: Vec<whitted::Node>,
+    /// Rays towards lights that wait to be traced; where there is no such list they are traced at once.
+    pub deferred: Option<Deferred>,
+}
+
+/// A ray from the camera, with a unit direction.
+#[derive(Clone, Copy, Debug)]
+pub struct CameraRay {
+    /// The ray.
+    pub ray: Ray,
+    /// What it hits, where that has been found already.
+    pub found: Option<Option<Hit>>,
+}
+
+impl CameraRay {
+    /// What the ray hits.
+    #[inline]
+    pub fn hit<A: Accel>(&self, accel: &A) -> Option<Hit> {
+        self.found.unwrap_or_else(|| accel.intersect(&self.ray))
+    }
 }
 
 /// From a camera ray to radiance.
 pub trait Integrator: Sync {
-    /// The radiance that arrives along `ray`, a camera ray with a unit direction. Depends on scene, ray and `sampler` alone.
+    /// The radiance that arrives along a camera ray, but for that of rays which the worker has deferred. Depends on scene, ray
+    /// and `sampler` alone.
     fn li<A: Accel, S: Sampler<I = u32>>(
         &self,
         stage: &Stage<'_, A>,
-        ray: &Ray,
+        camera: &CameraRay,
         sampler: &S,
         worker: &mut Worker,
     ) -> Radiance;

@@ -1,8 +1,8 @@
 //! A property of the first surface, for looking at a scene.
 
 use crate::accel::Accel;
-use crate::geometry::{Interaction, Ray};
-use crate::integrator::{Integrator, Radiance, Stage, Whitted, Worker};
+use crate::geometry::Interaction;
+use crate::integrator::{CameraRay, Integrator, Radiance, Stage, Whitted, Worker};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
 use glam::Vec3;
@@ -28,20 +28,20 @@ impl Integrator for View {
     fn li<A: Accel, S: Sampler<I = u32>>(
         &self,
         stage: &Stage<'_, A>,
-        ray: &Ray,
+        camera: &CameraRay,
         sampler: &S,
         worker: &mut Worker,
     ) -> Radiance {
         if let Self::Cost(whitted) = self {
             let before = worker.counters.rays();
-            let radiance = whitted.li(stage, ray, sampler, worker);
+            let radiance = whitted.li(stage, camera, sampler, worker);
             #[expect(clippy::cast_precision_loss, reason = "rays of one sample")]
             let rays = (worker.counters.rays() - before) as f32;
             return Radiance { color: Rgb::gray(rays), ..radiance };
         }
         worker.counters.camera += 1;
-        let Some(hit) = stage.accel.intersect(ray) else { return Radiance { color: Rgb::BLACK, alpha: 0.0 } };
-        let it = stage.scene.world.interaction(ray, &hit);
+        let Some(hit) = camera.hit(stage.accel) else { return Radiance { color: Rgb::BLACK, alpha: 0.0 } };
+        let it = stage.scene.world.interaction(&camera.ray, &hit);
         Radiance { color: self.show(stage, &it), alpha: 1.0 }
     }
 }

@@ -19,11 +19,11 @@
 
 use crate::accel::Accel;
 use crate::bsdf::{Branch, BsdfSample, Part};
-use crate::geometry::{Interaction, Ray};
+use crate::geometry::{Hit, Interaction, Ray};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{Counters, Integrator, Radiance, Splitting, Stage, Worker, tangent};
+use crate::integrator::{CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, tangent};
 use crate::light::Reference;
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
@@ -45,6 +45,8 @@ pub struct Whitted {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
     ray: Ray,
+    /// What the ray hits, where that has been found already.
+    found: Option<Option<Hit>>,
     /// Where the ray truly starts: its origin is moved off the surface.
     start: Vec3,
     /// What radiance along the ray is multiplied by on its way to the camera.
@@ -95,14 +97,16 @@ impl Integrator for Whitted {
     fn li<A: Accel, S: Sampler<I = u32>>(
         &self,
         stage: &Stage<'_, A>,
-        ray: &Ray,
+        camera: &CameraRay,
         sampler: &S,
         worker: &mut Worker,
     ) -> Radiance {
         worker.counters.camera += 1;
+        let CameraRay { ray, found } = *camera;
         let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
         worker.pending.push(Node {
-            ray: *ray,
+            ray,
+            found,
             start: ray.o,
             beta: Rgb::WHITE,
             radiance_scale: 1.0,
@@ -149,7 +153,7 @@ impl Whitted {
         let counts = self.splitting.at(node.depth);
         let receiver = Receiver { it: &it, shading, mix: &mix, media, counts };
         if node.depth < self.max_depth {
-            *sum += node.beta * direct::light(stage, &receiver, sampler, node.vertex, &mut worker.counters);
+            *sum += node.beta * direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
         }
         let at = At { stage, node: &node, it: &it, shading, eta, beyond };
         for (index, part) in (0..).zip(mix.parts()) {
@@ -175,6 +179,7 @@ impl Whitted {
             let radiance_scale = at.node.radiance_scale * branch.radiance_scale;
             let child = Node {
                 ray,
+                found: None,
                 start: at.it.p,
                 beta: at.node.beta * part.weight * branch.weight.scale(branch.radiance_scale),
                 radiance_scale,
@@ -279,6 +284,7 @@ impl<A: Accel> At<'_, A> {
         let share = counts.glossy_factor().max(1.0).recip();
         Some(Node {
             ray,
+            found: None,
             start: self.it.p,
             beta: self.node.beta * part.weight * weight.scale(share),
             radiance_scale: self.node.radiance_scale * grown * share,
@@ -302,7 +308,7 @@ struct Arrival {
 /// surfaces were passed unseen into `node.media`.
 fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) -> Option<Arrival> {
     for _ in 0..MOST_HIDDEN {
-        let Some(hit) = stage.accel.intersect(&node.ray) else {
+        let Some(hit) = node.found.take().unwrap_or_else(|| stage.accel.intersect(&node.ray)) else {
             absorb(stage, node, f32::INFINITY);
             return None;
         };

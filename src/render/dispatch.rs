@@ -2,15 +2,17 @@
 
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
 use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
-use crate::accel::{Accel, Brute};
+use crate::accel::{Accel, Brute, Coherence};
 use crate::error::{Error, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
-use crate::integrator::{Path, Splitting, View, Whitted};
+use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
 use crate::math::lanes::{Level, Scalar};
-use crate::render::tiles::{self, Engine, InBatches, OneByOne, Plan};
+use crate::render::query::{level, query};
+use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan};
 use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
 use crate::sampling::SamplerKind;
+use crate::scene::description::Query;
 use crate::scene::{Scene, description};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::ControlFlow;
@@ -92,17 +94,15 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;
     let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };
     let tree = Whitted { max_depth, min_throughput, splitting };
+    let way = query(plan.scene).query;
     match settings.integrator {
         description::Integrator::Whitted | description::Integrator::Distribution => {
-            timed(plan, accel, &OneByOne(&tree))
+            with_integrator(plan, accel, &tree, way)
         }
         description::Integrator::Path => {
-            let level = match settings.query {
-                description::Query::Single => Level::Scalar(Scalar),
-                description::Query::Stream => Level::from_env().unwrap_or_else(|_| Level::best()),
-            };
-            let size = if level.width() == 1 { 1 } else { BATCH };
-            let path = Path::new(plan.scene, (plan.sampler, plan.seed), level);
+            let level = if way == Query::Single { Level::Scalar(Scalar) } else { level() };
+            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet));
+            let size = if way == Query::Single { 1 } else { BATCH };
             timed(plan, accel, &InBatches { path: &path, size })
         }
         description::Integrator::View => {
@@ -114,9 +114,27 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
                 description::View::Material => View::Material,
                 description::View::Cost => View::Cost(tree),
             };
-            timed(plan, accel, &OneByOne(&view))
+            with_integrator(plan, accel, &view, way)
         }
     }
+}
+
+fn with_integrator<A: Accel, I: Integrator>(
+    plan: &Plan<'_>,
+    accel: &A,
+    integrator: &I,
+    way: Query,
+) -> Result<Rendered> {
+    let size = match way {
+        Query::Single => return timed(plan, accel, &OneByOne(integrator)),
+        Query::Packet => PACKET,
+        Query::Stream => TREES,
+    };
+    // What a coherent packet hits on an edge may depend on its company: never on that of other pixels, which may be missing
+    // from a crop.
+    let whole = plan.scene.render.spp.is_multiple_of(PACKET);
+    let coherence = if whole { Coherence::Coherent } else { Coherence::Incoherent };
+    timed(plan, accel, &InStreams { integrator, size, coherence })
 }
 
 fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Rendered> {
@@ -132,6 +150,12 @@ fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<
 
 /// Camera samples that are followed side by side: flat from 1000 to 4000.
 const BATCH: u32 = 2048;
+
+/// Camera samples of ray trees that are taken together: many have many rays towards lights.
+const TREES: u32 = 256;
+
+/// Rays of the widest packet.
+const PACKET: u32 = 16;
 
 fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
     let [width, height] = [scene.film.width, scene.film.height];

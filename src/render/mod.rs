@@ -6,8 +6,10 @@
 mod dispatch;
 mod eye;
 mod job;
+mod query;
 mod samples;
 mod tiles;
 
 pub use dispatch::render;
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
+pub use query::{Chosen, query};

@@ -1,11 +1,11 @@
 //! A picture in tiles, each the work of one thread at a time.
 
-use crate::accel::Accel;
+use crate::accel::{Accel, Coherence, HitStream, RayStream};
 use crate::error::{Error, Result};
 use crate::film::{Film, Filter, Layout, SampleId, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
-use crate::integrator::{Counters, Integrator, Path, Radiance, Wave, Worker};
+use crate::integrator::{CameraRay, Counters, Deferred, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::Progress;
 use crate::render::eye::Eye;
 use crate::render::samples::{Begin, CameraSamples, Cursor};
@@ -73,8 +73,8 @@ pub(super) struct Work<'a, A> {
 }
 
 impl<A> Work<'_, A> {
-    fn add(&mut self, id: SampleId, weight: f32, Radiance { color, alpha }: Radiance) {
-        self.tile.add(id, weight, &[color.r, color.g, color.b, alpha]);
+    fn add(&mut self, id: SampleId, weight: f32, radiance: Radiance) {
+        self.tile.add(id, weight, &radiance.values());
     }
 
     /// Tells of samples taken; fails if somebody wants to stop.
@@ -97,14 +97,89 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
             let pixel = [id.x, id.y];
             let sampler = plan.start(pixel, id.index);
             let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
-            let ray = Ray::new(o.into(), d.into()).at_time(time);
-            let found = self.0.li(&work.eye.stage(ray.time), &ray, &sampler, &mut worker);
+            let camera = CameraRay { ray: Ray::new(o.into(), d.into()).at_time(time), found: None };
+            let found = self.0.li(&work.eye.stage(time), &camera, &sampler, &mut worker);
             work.add(id, weight, found);
             if id.index + 1 == spp {
                 work.report(u64::from(spp))?;
             }
         }
         Ok(worker.counters)
+    }
+}
+
+/// Camera rays of many samples together, and what is deferred of their light together; the rest one sample after the other.
+pub(super) struct InStreams<'a, I> {
+    pub(super) integrator: &'a I,
+    /// Samples that are taken together.
+    pub(super) size: u32,
+    /// Of the rays of a pixel.
+    pub(super) coherence: Coherence,
+}
+
+/// Samples that are taken together.
+#[derive(Default)]
+pub(super) struct Together {
+    runs: Vec<(SampleId, u32)>,
+    rays: RayStream,
+    hits: HitStream,
+    weights: Vec<f32>,
+    found: Vec<Radiance>,
+}
+
+impl<I: Integrator> Engine for InStreams<'_, I> {
+    type Memory = Together;
+
+    fn tile<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Together) -> Result<Counters> {
+        let mut worker = Worker { deferred: Some(Deferred::default()), ..Worker::default() };
+        let mut cursor = Cursor::new(work.tile.window(), work.plan.scene.render.spp);
+        loop {
+            memory.runs.clear();
+            memory.runs.extend(cursor.runs(self.size));
+            if memory.runs.is_empty() {
+                return Ok(worker.counters);
+            }
+            self.samples(work, memory, &mut worker);
+            work.report(memory.found.len() as u64)?;
+        }
+    }
+}
+
+impl<I: Integrator> InStreams<'_, I> {
+    fn samples<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Together, worker: &mut Worker) {
+        let Together { runs, rays, hits, weights, found } = memory;
+        let (plan, accel) = (work.plan, work.eye.stage(0.0).accel);
+        let ids = |&(first, count): &(SampleId, u32)| {
+            (first.index..first.index + count).map(move |index| SampleId { index, ..first })
+        };
+        rays.clear();
+        weights.clear();
+        for SampleId { x, y, index } in runs.iter().flat_map(ids) {
+            let sampler = plan.start([x, y], index);
+            let CameraSamples { weight, o, d, time } = plan.camera_samples([x, y], &sampler);
+            rays.push(&Ray::new(o.into(), d.into()).at_time(time));
+            weights.push(weight);
+        }
+        accel.intersect_stream(rays, hits, self.coherence);
+        found.clear();
+        for (i, SampleId { x, y, index }) in runs.iter().flat_map(ids).enumerate() {
+            if let Some(deferred) = &mut worker.deferred {
+                deferred.begin(i);
+            }
+            let camera = CameraRay { ray: rays.get(i), found: Some(hits.get(i)) };
+            let stage = work.eye.stage(camera.ray.time);
+            found.push(self.integrator.li(&stage, &camera, &plan.start([x, y], index), worker));
+        }
+        if let Some(deferred) = &mut worker.deferred {
+            deferred.arrive(accel, found);
+        }
+        let mut at = 0;
+        for &(first, count) in &*runs {
+            let samples = at..at + count as usize;
+            let values = found[samples.clone()].iter().map(|radiance| radiance.values());
+            work.tile.add_run(first, weights[samples.clone()].iter().copied().zip(values));
+            at = samples.end;
+        }
     }
 }
 
@@ -153,10 +228,7 @@ impl InBatches<'_> {
         let mut at = 0;
         for &(first, count) in &*runs {
             let samples = at..at + count as usize;
-            let values = samples.clone().map(|i| {
-                let Radiance { color, alpha } = wave.radiance(i);
-                [color.r, color.g, color.b, alpha]
-            });
+            let values = samples.clone().map(|i| wave.radiance(i).values());
             work.tile.add_run(first, weights[samples.clone()].iter().copied().zip(values));
             at = samples.end;
         }

@@ -223,8 +223,8 @@ record! {
     pub struct Render {
         /// What is computed.
         integrator: Integrator = Integrator::Whitted;
-        /// How the integrator `path` asks for hits: `stream` traces many paths side by side, `single` one after the other.
-        query: Query = Query::Stream;
+        /// How rays are traced; absent: what is fastest for the integrator, backend and processor, as `specula plan` says.
+        query: Option<Query>;
         /// What the integrator `view` shows.
         view: View = View::ShadingNormals;
         /// Samples per pixel.
@@ -283,9 +283,11 @@ choice! {
 choice! {
     /// How rays are traced.
     pub enum Query {
-        /// One ray at a time, paths one after the other.
+        /// One ray at a time, samples one after the other.
         "single" => Single,
-        /// Many paths side by side.
+        /// Rays from the camera and rays towards lights in packets, all others one at a time.
+        "packet" => Packet,
+        /// Many samples side by side, with all rays of paths in packets; of ray trees those from the camera and towards lights.
         "stream" => Stream,
     }
 }

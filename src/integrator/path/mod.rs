@@ -46,21 +46,28 @@ pub struct Path {
     level: Level,
     /// Whether all rays of a packet come from one pixel.
     whole: bool,
+    /// Whether rays from surface to surface are traced as packets.
+    bounces_in_packets: bool,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
 const MOST_HIDDEN: u32 = 256;
 
 impl Path {
-    /// Paths of the scene's depth, with numbers of this kind and seed. Samples are to come pixel by pixel, all of each.
+    /// Paths of the scene's depth, with numbers of this kind and seed. Samples are to come pixel by pixel, all of each. Rays from
+    /// surface to surface are traced as packets, as those from the camera and towards lights are, or one by one.
     #[must_use]
-    pub fn new(scene: &Scene, (sampler, seed): (SamplerKind, u32), level: Level) -> Self {
+    pub fn new(
+        scene: &Scene,
+        (sampler, seed): (SamplerKind, u32),
+        (level, bounces_in_packets): (Level, bool),
+    ) -> Self {
         let (max_depth, spp) = (scene.render.max_depth, scene.render.spp as usize);
         // The rays of a coherent packet are traced together, and what they hit on an edge may depend on their company:
         // never on other pixels, which may be missing from a crop.
         let whole = spp % level.width() == 0;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, whole }
+        Self { lights, surfaces, max_depth, sampler, seed, level, whole, bounces_in_packets }
     }
 
     /// What paths are followed with.
@@ -79,6 +86,7 @@ impl Path {
             seed: self.seed,
             max_depth: self.max_depth,
             coherence: if self.whole { Coherence::Coherent } else { Coherence::Incoherent },
+            bounces_in_packets: self.bounces_in_packets,
             media: stage.scene.has_media(),
             turns: stage.turns(),
         };
@@ -114,7 +122,14 @@ fn follow<A: Accel, S: Isa, const N: usize>(
             let count = (len - at).min(N);
             let active = Active::first(count);
             wave.paths.packet(at, &mut packet);
-            stage.accel.intersect_packet(&active, &mut packet, coherence);
+            if depth == 1 || around.bounces_in_packets {
+                stage.accel.intersect_packet(&active, &mut packet, coherence);
+            } else {
+                for lane in 0..count {
+                    let hit = stage.accel.intersect(&packet.ray.get(lane));
+                    packet.set_hit(lane, hit.as_ref());
+                }
+            }
             let mut beyond = [(Media::default(), 1.0); N];
             if around.media {
                 arrive(stage, wave, (at, count), (&mut packet, &mut beyond), counters);

@@ -28,6 +28,7 @@ pub(super) struct Surroundings<'a> {
     pub(super) max_depth: u32,
     /// Of the camera's rays.
     pub(super) coherence: Coherence,
+    pub(super) bounces_in_packets: bool,
     /// Whether any surface bounds a medium.
     pub(super) media: bool,
     /// Whether any surface is not the same in all directions.

@@ -1,0 +1,43 @@
+//! How rays are asked for where nobody says so: by what was measured (`benches/record/engines.md`).
+
+use crate::math::lanes::Level;
+use crate::scene::Scene;
+use crate::scene::description::{Backend, Integrator, Query};
+
+/// A way to ask for hits, and why it is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Chosen {
+    /// The way.
+    pub query: Query,
+    /// The reason, as half a sentence.
+    pub why: &'static str,
+}
+
+/// How a scene is going to be rendered on this machine.
+#[must_use]
+pub fn query(scene: &Scene) -> Chosen {
+    chosen(&scene.render, level())
+}
+
+/// What shading over lanes is run with: what the environment asks for, or the best there is.
+pub(super) fn level() -> Level {
+    Level::from_env().unwrap_or_else(|_| Level::best())
+}
+
+fn chosen(render: &crate::scene::description::Render, level: Level) -> Chosen {
+    let of = |query, why| Chosen { query, why };
+    if let Some(query) = render.query {
+        return of(query, "as asked for");
+    }
+    let has_packets = render.backend == Backend::Embree;
+    match render.integrator {
+        Integrator::Path if level.width() > 1 => of(Query::Stream, "paths are shaded many at a time"),
+        Integrator::Path => of(Query::Single, "this processor shades one path at a time"),
+        Integrator::Whitted | Integrator::Distribution | Integrator::View if has_packets => {
+            of(Query::Stream, "camera and shadow rays are faster in packets")
+        }
+        Integrator::Whitted | Integrator::Distribution | Integrator::View => {
+            of(Query::Single, "this backend has single rays only")
+        }
+    }
+}
