@@ -113,16 +113,15 @@ fn scattered(
     let Receiver { shading, mix, counts, .. } = receiver;
     let wi = shading.frame.to_local(sample.wi);
     let cos = if below { -wi.z } else { wi.z };
-    if !sample.valid || cos <= 0.0 {
+    if !sample.valid || cos <= 0.0 || sample.li.is_black() {
         return (Rgb::BLACK, Rgb::BLACK);
     }
     let arriving = sample.li * (cos / sample.pdf);
     let mut glossy = Rgb::BLACK;
-    for part in mix.parts().filter(|part| part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
+    let left_out = is_left_to_rays(light) && counts.glossy > 0;
+    for part in mix.parts().filter(|part| !left_out && part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
         let share = if light.is_delta() {
             1.0
-        } else if is_left_to_rays(light) && counts.glossy > 0 {
-            0.0
         } else {
             let drawn = part.bsdf.pdf_glossy(shading.wo, wi) * counts.glossy_factor();
             heuristic::power(sample.pdf * counts.light_factor(), drawn)
