@@ -43,26 +43,46 @@ fn agreement<F: Lanes>(sample: &BsdfSample<F>, asked: F, value: F, widths: [F; 2
     both.map(|x| F::select(sample.valid, x, zero) + 1.0)
 }
 
+/// How much less differences count than lengths.
+const fn leniency(normals: Normals) -> f32 {
+    if normals.gaussian { 1.0 / 50.0 } else { 1.0 / 3.0 }
+}
+
 /// Rounding of a sampled direction turns the half vector, which is shorter than 2, and counts by the roughness.
 #[inline(always)]
-fn agreement_of_metal<F: Lanes>(lobe: RoughConductor<F>, alpha: [F; 2], wo: Vec3<F>, u2: [F; 2]) -> [F; 2] {
+fn agreement_of_metal<F: Lanes>(
+    lobe: RoughConductor<F>,
+    (alpha, normals): ([F; 2], Normals),
+    wo: Vec3<F>,
+    u2: [F; 2],
+) -> [F; 5] {
     let sample = lobe.sample(wo, u2);
-    let width = (wo + sample.wi).length() * alpha[0].min(alpha[1]);
-    agreement(&sample, lobe.pdf(wo, sample.wi), lobe.eval(wo, sample.wi).r, [width; 2])
+    let width = (wo + sample.wi).length() * alpha[0].min(alpha[1]) * leniency(normals);
+    let [a, b, c] = fair(&sample, width.splat(1.0));
+    let [d, e] = agreement(&sample, lobe.pdf(wo, sample.wi), lobe.eval(wo, sample.wi).r, [width; 2]);
+    [a, b, c, d, e]
 }
 
 /// The same for both ways at a rough interface. The facet that refracts is known by wo + eta wi, and by its cosines; of the one
-/// within, the square counts, for what passes again where eta is small.
+/// within, the square counts, for what passes again where eta is small. Facets seen edge on are left out: whether they face up is
+/// a matter of rounding.
 #[inline(always)]
-fn agreement_of_glass<F: Lanes>(lobe: RoughDielectric<F>, alpha: [F; 2], wo: Vec3<F>, u2: [F; 2]) -> [F; 4] {
+fn agreement_of_glass<F: Lanes>(
+    lobe: RoughDielectric<F>,
+    (alpha, normals): ([F; 2], Normals),
+    wo: Vec3<F>,
+    u2: [F; 2],
+) -> [F; 10] {
     let [up, down] = lobe.sample(wo, u2);
-    let (eta, sharpest) = (lobe.glass.eta(), alpha[0].min(alpha[1]));
+    let (eta, sharpest) = (lobe.glass.eta(), alpha[0].min(alpha[1]) * leniency(normals));
+    let (zero, one) = (eta.splat(0.0), eta.splat(1.0));
     let both = (wo + up.wi).length();
     let width = both * sharpest;
     let sum = wo + down.wi * eta;
     let length = sum.length().max(1e-20);
     let [o, i] = [wo.dot(sum) / length, down.wi.dot(sum) / length].map(Lanes::abs);
     let passing = length * sharpest * eta.min(eta.recip()).min(1.0) * o * i * i;
+    let passing = F::select(sum.z.abs().gt(length * 1e-5), passing, zero);
     let critical = (eta * i).min(1.0).square();
     // What is reflected near total reflection depends on the root of what rounding leaves of the cosine within.
     let inner = lobe.glass.at((both * 0.5).min(1.0)).cos_t;
@@ -70,7 +90,10 @@ fn agreement_of_glass<F: Lanes>(lobe: RoughDielectric<F>, alpha: [F; 2], wo: Vec
     let above = agreement(&up, lobe.pdf(wo, up.wi), lobe.eval(wo, up.wi).r, [width, width * steep]);
     let below =
         agreement(&down, lobe.pdf(wo, down.wi), lobe.eval(wo, down.wi).r, [passing, passing * critical]);
-    [above[0], above[1], below[0], below[1]]
+    let (mirrored, refracted) = (fair(&up, one), fair(&down, (eta * eta).recip()));
+    let [a, b, c] = mirrored;
+    let [d, e, f] = refracted;
+    [a, b, c, d, e, f, above[0], above[1], below[0], below[1]]
 }
 
 /// The rounding of the half vector of two directions as they are: of each component, relatively.
@@ -106,7 +129,8 @@ fn through(t: &[Big], eta: &Big) -> Option<(Vec<Big>, [Big; 2], Big)> {
     let h = unit(&sum);
     let h = if h[2].is_positive() { h } else { h.iter().map(|x| -x).collect() };
     let cosines = [dot(&t[..3], &h), -dot(&t[3..6], &h)];
-    let decided = h[2] > big(1e-5) && cosines.iter().all(|c| c.abs() > big(1e-4));
+    let within = (eta - 1.0) * (eta + 1.0) + cosines[0].square();
+    let decided = h[2] > big(1e-5) && within > big(1e-4) && cosines.iter().all(|c| c.abs() > big(1e-4));
     decided.then_some((h, cosines, length2))
 }
 
@@ -212,8 +236,8 @@ macro_rules! of_facets {
                     [h.length(), Compare::<f32>::min(wo.dot(h), 0.0) + 1.0, Compare::<f32>::min(h.z, 0.0) + 1.0]
                 },
                 |_| Some(vec![big(1.0); 3]),
-                "4e-7",
-                |_, _| 4e-7
+                "5e-7 over the length of a sum of two unit vectors; for Gaussian slopes 1e-3, the root of what their distribution is off by",
+                |a, _| if $normals.gaussian { 1e-3 } else { 5e-7 / cap_length(a) }
             ),
             kernel!(
                 concat!($name, " conductor: density"),
@@ -253,45 +277,16 @@ macro_rules! of_facets {
                 }
             ),
             kernel!(
-                concat!($name, " conductor: what is sampled is of length 1, weighs at most 1, has a density"),
+                concat!($name, " conductor: what is sampled, against what it should be and against what is asked for"),
                 [above(), number(), number(), alpha(), few_alpha()],
                 |x, y, z, u, v, ax, ay| {
-                    let metal = metal(Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay }));
-                    fair(&metal.sample(Vec3::new(x, y, z), [u, v]), Lanes::splat(u, 1.0))
+                    let facets = Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay });
+                    agreement_of_metal(metal(facets), ([ax, ay], $normals), Vec3::new(x, y, z), [u, v])
                 },
-                |_| Some(vec![big(1.0); 3]),
-                "1e-6",
+                |_| Some(vec![big(1.0); 5]),
+                "1e-6 of lengths, weights and validity, 3e-6 of the width for density and weight; 5e-5 for Gaussian slopes s up to 4.3, \
+                 where a turned facet counts 2 s (1 + s^2) times",
                 |_, _| 1e-6
-            ),
-            kernel!(
-                concat!($name, " conductor: density and weight of what is sampled against those asked for, by its width"),
-                [above(), number(), number(), alpha(), few_alpha()],
-                |x, y, z, u, v, ax, ay| {
-                    let facets = Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay });
-                    agreement_of_metal(metal(facets), [ax, ay], Vec3::new(x, y, z), [u, v])
-                },
-                |_| Some(vec![big(1.0); 2]),
-                "3e-6 of the width for GGX and 2e-5 for Gaussian slopes, whose logarithm is steeper by twice 4.3",
-                |_, _| if $normals.gaussian { 2e-5 } else { 3e-6 }
-            ),
-            kernel!(
-                concat!($name, " glass: density of reflection"),
-                [few_above(), few_above(), few_alpha(), few_alpha(), few_eta()],
-                |x, y, z, a, b, c, ax, ay, e| {
-                    let facets = Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay });
-                    let lobe = RoughDielectric { glass: Glass::exact(e), facets };
-                    [lobe.pdf(Vec3::new(x, y, z), Vec3::new(a, b, c))]
-                },
-                |t| {
-                    let [_, pdf] = $normals.mirrored(&t[..3], &t[3..6], &t[6..8])?;
-                    (pdf < big(1e37)).then(|| vec![pdf])
-                },
-                "as for metal",
-                |a, p| {
-                    let (sum, alpha) = (sum_of(a), [a[6], a[7]]);
-                    let scale = 1.0 / (a[2] + (a[0] * a[6]).hypot(a[1] * a[7])).max(1e-30);
-                    p * grown(facets_off($normals.gaussian, sum, alpha)) + lost($normals.gaussian, sum.0, alpha) * scale
-                }
             ),
             kernel!(
                 concat!($name, " glass: reflection"),
@@ -348,32 +343,17 @@ macro_rules! of_facets {
                 |a, f| through_bound($normals.gaussian, a, f)
             ),
             kernel!(
-                concat!($name, " glass: what is sampled is of length 1, weighs at most 1 (1 / eta^2), has a density"),
+                concat!($name, " glass: what is sampled, against what it should be and against what is asked for"),
                 [above(), number(), number(), few_alpha(), few_alpha(), few_eta()],
                 |x, y, z, u, v, ax, ay, e| {
                     let facets = Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay });
                     let lobe = RoughDielectric { glass: Glass::exact(e), facets };
-                    let [up, down] = lobe.sample(Vec3::new(x, y, z), [u, v]);
-                    let one = Lanes::splat(u, 1.0);
-                    let [a, b, c] = fair(&up, one);
-                    let [d, f, g] = fair(&down, one / (e * e) * 1.000_001);
-                    [a, b, c, d, f, g]
+                    agreement_of_glass(lobe, ([ax, ay], $normals), Vec3::new(x, y, z), [u, v])
                 },
-                |_| Some(vec![big(1.0); 6]),
-                "1e-6",
-                |_, _| 2e-6
-            ),
-            kernel!(
-                concat!($name, " glass: densities and weights of what is sampled against those asked for, by their widths"),
-                [above(), number(), number(), few_alpha(), few_alpha(), few_eta()],
-                |x, y, z, u, v, ax, ay, e| {
-                    let facets = Distribution::$Facets($Facets { alpha_x: ax, alpha_y: ay });
-                    let lobe = RoughDielectric { glass: Glass::exact(e), facets };
-                    agreement_of_glass(lobe, [ax, ay], Vec3::new(x, y, z), [u, v])
-                },
-                |_| Some(vec![big(1.0); 4]),
-                "3e-6 of the width for GGX and 2e-5 for Gaussian slopes, whose logarithm is steeper by twice 4.3",
-                |_, _| if $normals.gaussian { 2e-5 } else { 3e-6 }
+                |_| Some(vec![big(1.0); 10]),
+                "1e-6 of lengths, weights and validity, 3e-6 of the width for density and weight; 5e-5 for Gaussian slopes s up to 4.3, \
+                 where a turned facet counts 2 s (1 + s^2) times",
+                |_, _| 1e-6
             ),
         ]
     };
@@ -409,6 +389,17 @@ fn cap(t: &[Big]) -> Option<Vec<Big>> {
     (dot(&sum, &sum) > big(1e-12) && sum[2] > big(1e-30)).then(|| unit(&sum))
 }
 
+/// How long that sum is, at most 1.
+fn cap_length(a: &[f64]) -> f64 {
+    let w = [a[0] * a[5], a[1] * a[6], a[2]];
+    let scale = w.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let cos = w[2] / scale;
+    let z = (1.0 - a[4]) * (1.0 + cos) - cos;
+    let (sin, turn) = ((1.0 - z * z).max(0.0).sqrt(), a[3] * std::f64::consts::TAU);
+    let sum = [sin * turn.cos() + w[0] / scale, sin * turn.sin() + w[1] / scale, z + cos];
+    sum.iter().map(|x| x * x).sum::<f64>().sqrt().clamp(1e-7, 1.0)
+}
+
 pub(crate) fn rows() -> Vec<Row> {
     let mut rows = of_facets!("GGX", Ggx, GGX);
     rows.extend(of_facets!("Beckmann", Beckmann, BECKMANN));
@@ -422,15 +413,7 @@ pub(crate) fn rows() -> Vec<Row> {
         },
         cap,
         "5e-7, over the length of the sum of two unit vectors",
-        |a, _| {
-            let w = [a[0] * a[5], a[1] * a[6], a[2]];
-            let cos = w[2] / w.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let z = (1.0 - a[4]) * (1.0 + cos) - cos;
-            let (sin, turn) = ((1.0 - z * z).max(0.0).sqrt(), a[3] * std::f64::consts::TAU);
-            let scale = w.iter().map(|x| x * x).sum::<f64>().sqrt();
-            let sum = [sin * turn.cos() + w[0] / scale, sin * turn.sin() + w[1] / scale, z + cos];
-            5e-7 / sum.iter().map(|x| x * x).sum::<f64>().sqrt().max(1e-30).min(1.0)
-        }
+        |a, _| 5e-7 / cap_length(a)
     ));
     rows
 }

@@ -73,9 +73,9 @@ pub(crate) fn rows() -> Vec<Row> {
             },
             |t| {
                 let value = eon(t);
-                (value[0] < big(1e30)).then_some(value)
+                (t[2].max(&t[5]) > big(1e-29)).then_some(value)
             },
-            "1e-6 of the smooth lobe, and 3 roundings of the product of the directions along the surface over the greater cosine",
+            "1e-6 of the smooth lobe, and 3 roundings of the product of the directions along the surface over the greater cosine, from 1e-29 on",
             |a, f| {
                 let terms = (a[0] * a[3]).abs() + (a[1] * a[4]).abs();
                 1e-6 * a[6] + 5e-7 * f + a[6] * a[7] * 3.0 * U * terms / a[2].max(a[5]).max(1e-30)
@@ -123,8 +123,9 @@ pub(crate) fn rows() -> Vec<Row> {
             |t| {
                 let [value, _] = GGX.mirrored(&t[..3], &t[3..6], &widths(&t[7], &t[8]))?;
                 let (_, cos) = half(&t[..3], &t[3..6])?;
-                let value = value * schlick(&cos.min(&big(1.0)), &t[6]) * &shares(&t[7])[1];
-                (value < big(1e37)).then(|| vec![value])
+                let tint = schlick(&cos.min(&big(1.0)), &t[6]);
+                let value = value * &tint * &shares(&t[7])[1];
+                (value < big(1e37) && tint > big(1e-20)).then(|| vec![value])
             },
             "5e-6, and what 3 roundings of each component of the half vector make of D; 2 of each roughness count fourfold",
             |a, f| {
@@ -134,7 +135,7 @@ pub(crate) fn rows() -> Vec<Row> {
                 // The whitening: (1 - cos)^5 of a cosine that is known to 4 roundings.
                 let m = 1.0 - (h.iter().map(|x| x * x).sum::<f64>().sqrt() / 2.0).min(1.0);
                 let tint = a[6] + (1.0 - a[6]) * m.powi(5);
-                f * (5e-6 + spread(false, h, off, alpha) + 20.0 * U * m.powi(4) / tint.max(1e-30))
+                f * (5e-6 + spread(false, h, off, alpha) + 20.0 * U * (m + 4.0 * U).powi(4) / tint.max(1e-30))
             }
         ),
         kernel!(

@@ -78,9 +78,8 @@ pub(crate) fn half(wo: &[Big], wi: &[Big]) -> Option<(Vec<Big>, Big)> {
     let sum: Vec<_> = (0..3).map(|i| &wo[i] + &wi[i]).collect();
     let lit = wo[2].is_positive() && wi[2].is_positive() && dot(&sum, &sum) > big(1.1e-12);
     lit.then(|| {
-        let h = unit(&sum);
-        let cos = dot(wo, &h);
-        (h, cos)
+        // Of unit vectors.
+        (unit(&sum), dot(&sum, &sum).sqrt() / 2.0)
     })
 }
 
