@@ -121,11 +121,11 @@ pub(crate) fn rows() -> Vec<Row> {
                 [surface.eval(Vec3::new(x, y, z), Vec3::new(a, b, c)).r]
             },
             |t| {
-                let [value, _] = GGX.mirrored(&t[..3], &t[3..6], &widths(&t[7], &t[8]))?;
+                let [facets, _] = GGX.mirrored(&t[..3], &t[3..6], &widths(&t[7], &t[8]))?;
                 let (_, cos) = half(&t[..3], &t[3..6])?;
                 let tint = schlick(&cos.min(&big(1.0)), &t[6]);
-                let value = value * &tint * &shares(&t[7])[1];
-                (value < big(1e37) && tint > big(1e-20)).then(|| vec![value])
+                let value = &facets * &tint * &shares(&t[7])[1];
+                (facets < big(1e37) && tint > big(1e-20)).then(|| vec![value])
             },
             "5e-6, and what 3 roundings of each component of the half vector make of D; 2 of each roughness count fourfold",
             |a, f| {
