@@ -26,6 +26,8 @@ macro_rules! parts {
 }
 
 mod lights;
+#[path = "../support/lights.rs"]
+mod lights_list;
 mod phong;
 #[path = "../support/random.rs"]
 mod random;
