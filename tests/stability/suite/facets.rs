@@ -83,7 +83,8 @@ fn agreement_of_glass<F: Lanes>(
     let [o, i] = [wo.dot(sum) / length, down.wi.dot(sum) / length].map(Lanes::abs);
     let passing = length * sharpest * eta.min(eta.recip()).min(1.0) * o * i * i;
     let passing = F::select(sum.z.abs().gt(length * 1e-5), passing, zero);
-    let critical = (eta * i).min(1.0).square();
+    // What passes is a difference from 1.
+    let critical = (eta * i).min(1.0).square() * (one - lobe.glass.at(o.min(1.0)).reflectance);
     // What is reflected near total reflection depends on the root of what rounding leaves of the cosine within.
     let inner = lobe.glass.at((both * 0.5).min(1.0)).cos_t;
     let steep = (eta * inner).min(1.0).square();
@@ -236,8 +237,13 @@ macro_rules! of_facets {
                     [h.length(), Compare::<f32>::min(wo.dot(h), 0.0) + 1.0, Compare::<f32>::min(h.z, 0.0) + 1.0]
                 },
                 |_| Some(vec![big(1.0); 3]),
-                "5e-7 over the length of a sum of two unit vectors; for Gaussian slopes 1e-3, the root of what their distribution is off by",
-                |a, _| if $normals.gaussian { 1e-3 } else { 5e-7 / cap_length(a) }
+                "5e-7, over the length of a sum of two unit vectors that is stretched by the roughnesses, relative to the greater of them; for \
+                 Gaussian slopes 1e-3, the root of what their distribution is off by",
+                |a, _| {
+                    let wide = a[5].max(a[6]);
+                    let length = cap_length(a, [a[5], a[6]]) / wide;
+                    if $normals.gaussian { 1e-3 } else { 5e-7 / length.clamp(1e-7, 1.0) }
+                }
             ),
             kernel!(
                 concat!($name, " conductor: density"),
@@ -389,15 +395,15 @@ fn cap(t: &[Big]) -> Option<Vec<Big>> {
     (dot(&sum, &sum) > big(1e-12) && sum[2] > big(1e-30)).then(|| unit(&sum))
 }
 
-/// How long that sum is, at most 1.
-fn cap_length(a: &[f64]) -> f64 {
+/// That sum, scaled per axis.
+fn cap_length(a: &[f64], scale: [f64; 2]) -> f64 {
     let w = [a[0] * a[5], a[1] * a[6], a[2]];
-    let scale = w.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let cos = w[2] / scale;
+    let length = w.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let cos = w[2] / length;
     let z = (1.0 - a[4]) * (1.0 + cos) - cos;
     let (sin, turn) = ((1.0 - z * z).max(0.0).sqrt(), a[3] * std::f64::consts::TAU);
-    let sum = [sin * turn.cos() + w[0] / scale, sin * turn.sin() + w[1] / scale, z + cos];
-    sum.iter().map(|x| x * x).sum::<f64>().sqrt().clamp(1e-7, 1.0)
+    let [x, y] = [sin * turn.cos() + w[0] / length, sin * turn.sin() + w[1] / length];
+    (x * scale[0]).hypot(y * scale[1]).hypot(z + cos)
 }
 
 pub(crate) fn rows() -> Vec<Row> {
@@ -413,7 +419,7 @@ pub(crate) fn rows() -> Vec<Row> {
         },
         cap,
         "5e-7, over the length of the sum of two unit vectors",
-        |a, _| 5e-7 / cap_length(a)
+        |a, _| 5e-7 / cap_length(a, [1.0; 2]).clamp(1e-7, 1.0)
     ));
     rows
 }
