@@ -199,7 +199,7 @@ fn densities_are_jacobians_of_the_warps() {
 }
 
 /// How far numbers are moved.
-const STEP: f32 = 1.0 / 256.0;
+const STEP: f32 = 1.0 / 512.0;
 
 fn judge_jacobian(level: Level, lobe: &Lobe) {
     let mut random = Random::new(5);

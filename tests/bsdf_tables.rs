@@ -309,7 +309,7 @@ fn frost_between_equal_media_is_not_there() {
             assert!(!up.valid && down.valid, "{wo:?}: {up:?} {down:?}");
             assert!((down.weight.r - 1.0).abs() < 1e-6 && (down.wi + wo).length() < 1e-6, "{wo:?}: {down:?}");
             // Nothing else is met: whoever asks for another direction finds nothing.
-            assert!(down.pdf > 1e9 && lobe.eval(wo, -from_angles(0.3, 0.1)).is_black(), "{wo:?}: {down:?}");
+            assert!(down.pdf > 1e6 && lobe.eval(wo, -from_angles(0.3, 0.1)).is_black(), "{wo:?}: {down:?}");
         }
     }
 }
