@@ -83,14 +83,15 @@ fn agreement_of_glass<F: Lanes>(
     let [o, i] = [wo.dot(sum) / length, down.wi.dot(sum) / length].map(Lanes::abs);
     let passing = length * sharpest * eta.min(eta.recip()).min(1.0) * o * i * i;
     let passing = F::select(sum.z.abs().gt(length * 1e-5), passing, zero);
-    // What passes is a difference from 1.
-    let critical = (eta * i).min(1.0).square() * (one - lobe.glass.at(o.min(1.0)).reflectance);
+    // Into a medium of low index the cosine within is a small difference; what passes is a difference from 1.
+    let passing = passing * (eta * i).min(1.0).square();
+    let passed = one - lobe.glass.at(o.min(1.0)).reflectance;
     // What is reflected near total reflection depends on the root of what rounding leaves of the cosine within.
     let inner = lobe.glass.at((both * 0.5).min(1.0)).cos_t;
     let steep = (eta * inner).min(1.0).square();
     let above = agreement(&up, lobe.pdf(wo, up.wi), lobe.eval(wo, up.wi).r, [width, width * steep]);
     let below =
-        agreement(&down, lobe.pdf(wo, down.wi), lobe.eval(wo, down.wi).r, [passing, passing * critical]);
+        agreement(&down, lobe.pdf(wo, down.wi), lobe.eval(wo, down.wi).r, [passing, passing * passed]);
     let (mirrored, refracted) = (fair(&up, one), fair(&down, (eta * eta).recip()));
     let [a, b, c] = mirrored;
     let [d, e, f] = refracted;
