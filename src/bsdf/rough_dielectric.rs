@@ -41,9 +41,10 @@ impl<F: Lanes> RoughDielectric<F> {
         // c - eta cos_t, which cancels for near-matched media, as a quotient: eta^2 cos_t^2 = eta^2 - 1 + c^2.
         let denominator = (eta - 1.0) * (eta + 1.0) / (c + eta * at.cos_t);
         let stretch = eta.square() * at.cos_t / denominator.square().max(NARROWEST);
-        let pdf = pdf * 4.0 * c * stretch;
-        // Between equal media there is nothing to be masked by: all light goes straight on.
-        let seen = F::select(eta.eq(1.0), eta.splat(1.0), self.facets.g1(wi));
+        // Between equal media there is nothing to be spread or masked by: all light goes straight on.
+        let matched = eta.eq(1.0);
+        let pdf = F::select(matched, eta.splat(1.0 / NARROWEST), pdf * 4.0 * c * stretch);
+        let seen = F::select(matched, eta.splat(1.0), self.facets.g1(wi));
         let weight = Rgb::gray((-at.reflectance + 1.0) * seen * inverse.square());
         let valid = facing & wi.z.lt(0.0) & !at.total & pdf.gt(0.0) & pdf.is_finite();
         [mirrored, BsdfSample { wi, weight, pdf, valid }]
