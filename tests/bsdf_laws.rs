@@ -1,7 +1,7 @@
-//! Laws of scattering: every lobe at every angle from one list.
+//! Laws of scattering: every lobe at every angle from one list, at every width that the machine has.
 //!
-//! Chi-square tests are at a significance of 1 in 1000 for all of them together, shared out evenly (Bonferroni); seeds are
-//! fixed. Integrals are midpoint sums in charts where the integrand is nearly constant.
+//! Chi-square tests are at a significance of 1 in 1000 for all of them together, shared out evenly among lobes, angles and widths
+//! (Bonferroni); seeds are fixed. Integrals are midpoint sums in charts where the integrand is nearly constant.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small non-negative numbers")]
 
@@ -11,6 +11,8 @@ mod lobes;
 mod random;
 #[path = "support/statistics.rs"]
 mod statistics;
+#[path = "support/wide.rs"]
+mod wide;
 
 use lobes::{ANGLES, Kind, Lobe, Side, lobes, viewers};
 use random::{Random, from_angles};
@@ -18,7 +20,9 @@ use specula::bsdf::microfacet::Ggx;
 use specula::bsdf::{
     Bsdf, Coat, Conductor, Dielectric, FresnelModel, Glass, Metal, Mirror, RoughConductor, Schlick, fresnel,
 };
+use specula::math::lanes::Level;
 use specula::math::{Rgb, Vec3};
+use wide::{Told, told};
 
 type V = Vec3<f32>;
 
@@ -58,31 +62,32 @@ fn looseness(lobe: &Lobe, wo: V, wi: V) -> f32 {
     }
 }
 
+/// What a lobe draws with that many pairs of numbers, at one width.
+fn drawn(level: Level, lobe: &Lobe, wo: V, seed: u32, count: u32) -> Vec<Told<f32>> {
+    let mut random = Random::new(seed);
+    let questions: Vec<_> = (0..count).map(|_| (wo, random.pair())).collect();
+    told(level, lobe.kind, &questions)
+}
+
 #[test]
 fn weights_are_value_times_cosine_over_density() {
-    for lobe in lobes() {
-        for wo in viewers() {
-            let mut random = Random::new(1);
-            for _ in 0..4000 {
-                let sample = lobe.sample(wo, random.pair());
+    for level in Level::available() {
+        for (lobe, wo) in lobes().iter().flat_map(|lobe| viewers().map(|wo| (lobe, wo))) {
+            let name = format!("{} ({})", lobe.name, level.name());
+            for Told { sample, pdf, f } in drawn(level, lobe, wo, 1, 4000) {
                 if !sample.valid {
-                    assert!(lobe.loses(), "{}: nothing at {wo:?}", lobe.name);
+                    assert!(lobe.loses(), "{name}: nothing at {wo:?}");
                     continue;
                 }
-                let (wi, pdf) = (sample.wi, lobe.pdf(wo, sample.wi));
-                let bound = rounding(&lobe, wo, wi);
+                let wi = sample.wi;
+                let bound = rounding(lobe, wo, wi);
                 // Mirroring at a half vector doubles what its length is off by.
-                assert!((wi.length2() - 1.0).abs() < 2e-6, "{}: {sample:?}", lobe.name);
-                assert!((pdf - sample.pdf).abs() <= bound * pdf, "{}: {pdf} for {sample:?}", lobe.name);
-                let f = lobe.eval(wo, wi);
+                assert!((wi.length2() - 1.0).abs() < 2e-6, "{name}: {sample:?}");
+                assert!((pdf - sample.pdf).abs() <= bound * pdf, "{name}: {pdf} for {sample:?}");
                 for (f, weight) in [(f.r, sample.weight.r), (f.g, sample.weight.g)] {
                     let value = f * wi.z.abs() / pdf;
                     let off = (value - weight).abs();
-                    assert!(
-                        off <= looseness(&lobe, wo, wi) * weight,
-                        "{}: {value} for {sample:?}",
-                        lobe.name
-                    );
+                    assert!(off <= looseness(lobe, wo, wi) * weight, "{name}: {value} for {sample:?}");
                 }
             }
         }
@@ -92,8 +97,8 @@ fn weights_are_value_times_cosine_over_density() {
 #[test]
 fn samples_fall_as_their_density_says() {
     const N: u32 = 1 << 16;
-    let lobes = lobes();
-    let significance = 1e-3 / (lobes.len() * ANGLES.len()) as f64;
+    let (lobes, levels) = (lobes(), Level::available());
+    let significance = 1e-3 / (lobes.len() * ANGLES.len() * levels.len()) as f64;
     for lobe in &lobes {
         for (angle, wo) in ANGLES.into_iter().zip(viewers()) {
             // Half vectors of the sharpest lobes are not known to a cell at grazing.
@@ -106,26 +111,28 @@ fn samples_fall_as_their_density_says() {
             assert!(mass < 1.002, "{} at {angle} deg: integral {mass}", lobe.name);
             assert!(lobe.loses() || mass > 0.998, "{} at {angle} deg: integral {mass}", lobe.name);
             expected.push(1.0 - mass.min(1.0));
-            let mut counts = vec![0.0; expected.len()];
-            let mut random = Random::new(2);
-            for _ in 0..N {
-                let sample = lobe.sample(wo, random.pair());
-                let [i, j] =
-                    lobe.chart.find(wo, sample.wi).map(|x| ((x * f64::from(CELLS)) as usize).min(15));
-                let cell = if sample.valid { i * usize::from(CELLS) + j } else { counts.len() - 1 };
-                counts[cell] += 1.0;
-            }
             let total: f64 = expected.iter().sum();
             for value in &mut expected {
                 *value *= f64::from(N) / total;
             }
-            let (statistic, cells) = statistics::chi_square(&counts, &expected);
-            let tail = statistics::chi_square_tail(statistic, cells.max(2) - 1);
-            assert!(
-                tail > significance,
-                "{} at {angle} deg: chi-square {statistic} in {cells} cells, tail {tail:e}",
-                lobe.name
-            );
+            // Other numbers at every width.
+            for (level, seed) in levels.iter().zip(2..) {
+                let mut counts = vec![0.0; expected.len()];
+                for Told { sample, .. } in drawn(*level, lobe, wo, seed, N) {
+                    let [i, j] =
+                        lobe.chart.find(wo, sample.wi).map(|x| ((x * f64::from(CELLS)) as usize).min(15));
+                    let cell = if sample.valid { i * usize::from(CELLS) + j } else { counts.len() - 1 };
+                    counts[cell] += 1.0;
+                }
+                let (statistic, cells) = statistics::chi_square(&counts, &expected);
+                let tail = statistics::chi_square_tail(statistic, cells.max(2) - 1);
+                assert!(
+                    tail > significance,
+                    "{} at {angle} deg, {}: chi-square {statistic} in {cells} cells, tail {tail:e}",
+                    lobe.name,
+                    level.name()
+                );
+            }
         }
     }
 }
@@ -139,9 +146,14 @@ fn no_lobe_makes_light() {
             assert!(albedo < 1.002, "{} at {angle} deg reflects {albedo}", lobe.name);
             // All others here return everything.
             assert!(lobe.loses() || albedo > 0.998, "{} at {angle} deg reflects {albedo}", lobe.name);
-            let (mut random, most) = (Random::new(3), lobe.greatest_weight() * (1.0 + 1e-6));
-            for sample in (0..1000).map(|_| lobe.sample(wo, random.pair())).filter(|sample| sample.valid) {
-                assert!(sample.weight.max_channel() <= most, "{} at {angle} deg: {sample:?}", lobe.name);
+            let most = lobe.greatest_weight() * (1.0 + 1e-6);
+            for (level, Told { sample, .. }) in Level::available()
+                .into_iter()
+                .flat_map(|level| drawn(level, &lobe, wo, 3, 1000).into_iter().map(move |told| (level, told)))
+                .filter(|(_, told)| told.sample.valid)
+            {
+                let weight = sample.weight.max_channel();
+                assert!(weight <= most, "{} at {angle} deg, {}: {sample:?}", lobe.name, level.name());
             }
         }
     }
@@ -152,23 +164,26 @@ fn reciprocal_lobes_are() {
     let color = Rgb::new(0.9, 0.5, 0.1);
     let glazed = Bsdf::Glazed(Coat::new(FresnelModel::Exact, 1.5).over(color));
     let schlick = Bsdf::Schlick(Schlick::new(color, 0.8, 0.5));
-    let reciprocal: Vec<Lobe> = lobes().into_iter().filter(Lobe::is_reciprocal).collect();
     let mut random = Random::new(4);
-    for _ in 0..20_000 {
-        let (wo, wi) = (random.upper(), random.upper());
-        let mut pairs = vec![
-            ("glazed", 2e-5, glazed.eval_diffuse(wo, wi), glazed.eval_diffuse(wi, wo)),
-            ("Schlick's base", 2e-5, schlick.eval_diffuse(wo, wi), schlick.eval_diffuse(wi, wo)),
-        ];
-        for lobe in &reciprocal {
-            pairs.push((&lobe.name, looseness(lobe, wo, wi), lobe.eval(wo, wi), lobe.eval(wi, wo)));
+    let pairs: Vec<_> = (0..20_000).map(|_| [random.upper(), random.upper()]).collect();
+    let turned: Vec<_> = pairs.iter().map(|[wo, wi]| [*wi, *wo]).collect();
+    let check = |name: &str, bound: f32, [wo, wi]: [V; 2], [there, back]: [Rgb<f32>; 2]| {
+        let off = (there - back).max_channel().abs();
+        assert!(off <= bound * there.max_channel(), "{name}: {wo:?} {wi:?}: {there:?} {back:?}");
+    };
+    for pair in &pairs {
+        let [wo, wi] = *pair;
+        for (name, bsdf) in [("glazed", glazed), ("Schlick's base", schlick)] {
+            check(name, 2e-5, *pair, [bsdf.eval_diffuse(wo, wi), bsdf.eval_diffuse(wi, wo)]);
         }
-        for (name, bound, there, back) in pairs {
-            let off = there - back;
-            assert!(
-                off.max_channel().abs() <= bound * there.max_channel(),
-                "{name}: {wo:?} {wi:?}: {there:?} {back:?}"
-            );
+    }
+    for lobe in lobes().iter().filter(|lobe| lobe.is_reciprocal()) {
+        for level in Level::available() {
+            let [there, back] = [&pairs, &turned].map(|pairs| told(level, lobe.kind, pairs));
+            for ((pair, there), back) in pairs.iter().zip(there).zip(back) {
+                let name = format!("{} ({})", lobe.name, level.name());
+                check(&name, looseness(lobe, pair[0], pair[1]), *pair, [there.f, back.f]);
+            }
         }
     }
 }
@@ -176,14 +191,27 @@ fn reciprocal_lobes_are() {
 /// The density against the area that a small square of numbers is stretched to.
 #[test]
 fn densities_are_jacobians_of_the_warps() {
-    const STEP: f32 = 1.0 / 256.0;
     for lobe in lobes().into_iter().filter(|lobe| lobe.width > 0.03 && lobe.is_warp()) {
-        let (mut judged, mut random) = (0, Random::new(5));
-        for (wo, _) in viewers().into_iter().flat_map(|wo| (0..400).map(move |i| (wo, i))) {
-            let [u, v] = random.pair().map(|x| 0.1 + 0.8 * x);
-            let at = |du: f32, dv: f32| lobe.sample(wo, [u + du * STEP, v + dv * STEP]);
-            let around = [at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0)];
-            let center = at(0.0, 0.0);
+        for level in Level::available() {
+            judge_jacobian(level, &lobe);
+        }
+    }
+}
+
+/// How far numbers are moved.
+const STEP: f32 = 1.0 / 512.0;
+
+fn judge_jacobian(level: Level, lobe: &Lobe) {
+    let mut random = Random::new(5);
+    let numbers: Vec<_> = (0..400).map(|_| random.pair().map(|x| 0.1 + 0.8 * x)).collect();
+    let mut judged = 0;
+    for wo in viewers() {
+        let steps = [[0.0, 0.0], [STEP, 0.0], [-STEP, 0.0], [0.0, STEP], [0.0, -STEP]];
+        let questions: Vec<_> =
+            numbers.iter().flat_map(|[u, v]| steps.map(|[du, dv]| (wo, [u + du, v + dv]))).collect();
+        let found = told(level, lobe.kind, &questions);
+        for ([u, v], five) in numbers.iter().zip(found.chunks_exact(5)) {
+            let (center, around) = (five[0].sample, [1, 2, 3, 4].map(|k| five[k].sample));
             // Of two directions that become one each has half of its density.
             let folds = |wi: V| lobe.folds(wo, wi);
             let fold = folds(center.wi);
@@ -202,11 +230,16 @@ fn densities_are_jacobians_of_the_warps() {
             // Truncation: the step squared, times at most (10 / 1)^2 where the warp bends like the logarithm at 0.9; twice
             // that with refraction after it.
             let bound = if lobe.refracting(wo, center.wi).is_some() { 2e-2 } else { 1e-2 };
-            assert!((product - 1.0).abs() < bound, "{} at {wo:?}, {u} {v}: {product}", lobe.name);
+            assert!(
+                (product - 1.0).abs() < bound,
+                "{} ({}) at {wo:?}, {u} {v}: {product}",
+                lobe.name,
+                level.name()
+            );
             judged += 1;
         }
-        assert!(judged > 500, "{}: only {judged} judged", lobe.name);
     }
+    assert!(judged > 500, "{} ({}): only {judged} judged", lobe.name, level.name());
 }
 
 #[test]

@@ -299,6 +299,22 @@ fn the_smoothest_frost_is_clear() {
 }
 
 #[test]
+fn frost_between_equal_media_is_not_there() {
+    for (facets, wo) in
+        [ggx(0.3), beckmann(0.3)].into_iter().flat_map(|facets| viewers().map(|wo| (facets, wo)))
+    {
+        for numbers in [[0.3, 0.5], [0.0, 0.9], [0.9, 0.1]] {
+            let lobe = RoughDielectric { glass: Glass::exact(1.0), facets };
+            let [up, down] = lobe.sample(wo, numbers);
+            assert!(!up.valid && down.valid, "{wo:?}: {up:?} {down:?}");
+            assert!((down.weight.r - 1.0).abs() < 1e-6 && (down.wi + wo).length() < 1e-6, "{wo:?}: {down:?}");
+            // Nothing else is met: whoever asks for another direction finds nothing.
+            assert!(down.pdf > 1e6 && lobe.eval(wo, -from_angles(0.3, 0.1)).is_black(), "{wo:?}: {down:?}");
+        }
+    }
+}
+
+#[test]
 fn frost_loses_little_where_it_is_fine() {
     // Reflected and transmitted power together, as measured: what is lost bounces between facets. From within, the tails of
     // GGX reflect totally, downwards.

@@ -169,14 +169,14 @@ const CASES: &[Case] = &[
         &[
             "scene.toml:2:5: missing key `type`; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
             "scene.toml:3:14: `type` is an integer; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
-            "scene.toml:4:35: `exponent` is -1; it must be a number from 0 to 1000000000",
+            "scene.toml:4:35: `exponent` is -1; it must be a number from 0 to 1e9",
             "scene.toml:4:39: unknown key `shine`; known are `emission`, `type`, `exponent`, `reflectance`, `diffuse` and `below`",
             "scene.toml:5:39: `reflectance` is a string; it must be a colour: one number or [r, g, b], each from 0 to 1, or a texture { checker = [.., ..] }",
             "scene.toml:6:43: `reflectance` is 2; it must be a number from 0 to 1",
             "scene.toml:7:51: `checker` is an array of three; it must be an array of two, each a colour: one number or [r, g, b], each from 0 to 1",
-            "scene.toml:7:72: `repeat` is 0; it must be a number above 0",
+            "scene.toml:7:72: `repeat` is 0; it must be a number above 0 and at most 1e6",
             "scene.toml:8:5: `g` is an integer; it must be a table",
-            "scene.toml:9:5: missing key `radiance`; give a colour: one number or [r, g, b], each of at least 0 W/(sr m^2)",
+            "scene.toml:9:5: missing key `radiance`; give a colour: one number or [r, g, b], each from 0 to 1e20 W/(sr m^2)",
             "scene.toml:10:24: `radiance` does not go with type `mirror`; it belongs to type `emission`",
         ],
     ),
@@ -202,10 +202,59 @@ const CASES: &[Case] = &[
         &[
             "scene.toml:2:5: one of the keys `metal`, `eta` or `reflectance` is needed",
             "scene.toml:3:41: `eta` does not go with `metal`; remove one of them",
-            "scene.toml:4:5: missing key `k`; give a colour: one number or [r, g, b], each above 0",
+            "scene.toml:4:5: missing key `k`; give a colour: one number or [r, g, b], each above 0 and at most 1e6",
             "scene.toml:5:27: unknown key `metl`; did you mean `metal`?",
             "scene.toml:6:35: `metal` is empty; it must be a string with at least one character",
             "scene.toml:7:41: `ior` does not go with type `conductor`; it belongs to type `dielectric`, type `thin_dielectric` or type `glazed`",
+        ],
+    ),
+    file(
+        "every number of a material has a range",
+        "[materials]\na = { type = 'diffuse', emission = 1e21, reflectance = -0.1 }\n\
+         b = { type = 'oren_nayar', roughness = 1.01 }\nc = { type = 'mirror', reflectance = [1, 1.5, 0] }\n\
+         d = { type = 'conductor', eta = 1e-4, k = 2e6 }\ne = { type = 'conductor', eta = [1, 1e4, 1], k = 0 }\n\
+         f = { type = 'conductor', reflectance = 2, edge_tint = -1, rotate_deg = 1e6 }\n\
+         g = { type = 'dielectric', ior = 0.9, absorption = 1e10, alpha = -0.1, priority = 3e9 }\n\
+         h = { type = 'thin_dielectric', ior = 11, transmittance = 1.1 }\n\
+         i = { type = 'glossy', exponent = 1e10, reflectance = 1.1, diffuse = -1 }\n\
+         j = { type = 'phong', exponent = -1 }\nk = { type = 'jitter', exponent = 2e9, diffuse = 2 }\n\
+         l = { type = 'glazed', ior = 0.99, reflectance = 2 }\n\
+         m = { type = 'schlick', color = 2, roughness = -1, isotropy = 0 }\n\
+         n = { type = 'mix', parts = [{ material = 'a', weight = 1.5 }] }\n\
+         o = { type = 'emission', radiance = [1, -1, 1] }\n\
+         p = { type = 'diffuse', reflectance = { checker = [0, 1], repeat = [1, 1e7] } }\n",
+        &[
+            "scene.toml:2:36: `emission` is 1000000000000000000000; it must be a number from 0 to 1e20 W/(sr m^2)",
+            "scene.toml:2:56: `reflectance` is -0.1; it must be a number from 0 to 1",
+            "scene.toml:3:40: `roughness` is 1.01; it must be a number from 0 to 1",
+            "scene.toml:4:42: `reflectance` is 1.5; it must be a number from 0 to 1",
+            "scene.toml:5:33: `eta` is 0.0001; it must be a number from 0.001 to 1000",
+            "scene.toml:5:43: `k` is 2000000; it must be a number above 0 and at most 1e6",
+            "scene.toml:6:37: `eta` is 10000; it must be a number from 0.001 to 1000",
+            "scene.toml:6:50: `k` is 0; it must be a number above 0 and at most 1e6",
+            "scene.toml:7:41: `reflectance` is 2; it must be a number from 0 to 1",
+            "scene.toml:7:56: `edge_tint` is -1; it must be a number from 0 to 1",
+            "scene.toml:7:73: `rotate_deg` is 1000000; it must be a number from -36000 to 36000 degrees",
+            "scene.toml:8:34: `ior` is 0.9; it must be a number from 1 to 10",
+            "scene.toml:8:52: `absorption` is 10000000000; it must be a number from 0 to 1e9 1/m",
+            "scene.toml:8:66: `alpha` is -0.1; it must be a number from 0 to 1",
+            "scene.toml:8:83: `priority` is 3000000000.0, a float; it must be an integer from -2147483648 to 2147483647",
+            "scene.toml:9:39: `ior` is 11; it must be a number from 1 to 10",
+            "scene.toml:9:59: `transmittance` is 1.1; it must be a number from 0 to 1",
+            "scene.toml:10:35: `exponent` is 10000000000; it must be a number from 0 to 1e9",
+            "scene.toml:10:55: `reflectance` is 1.1; it must be a number from 0 to 1",
+            "scene.toml:10:70: `diffuse` is -1; it must be a number from 0 to 1",
+            "scene.toml:11:34: `exponent` is -1; it must be a number from 0 to 1e9",
+            "scene.toml:12:35: `exponent` is 2000000000; it must be a number from 0 to 1e9",
+            "scene.toml:12:50: `diffuse` is 2; it must be a number from 0 to 1",
+            "scene.toml:13:30: `ior` is 0.99; it must be a number from 1 to 10",
+            "scene.toml:13:50: `reflectance` is 2; it must be a number from 0 to 1",
+            "scene.toml:14:33: `color` is 2; it must be a number from 0 to 1",
+            "scene.toml:14:48: `roughness` is -1; it must be a number from 0 to 1",
+            "scene.toml:14:63: `isotropy` is 0; it must be a number from 0.0001 to 1",
+            "scene.toml:15:57: `weight` is 1.5; it must be a number from 0 to 1",
+            "scene.toml:16:41: `radiance` is -1; it must be a number from 0 to 1e20 W/(sr m^2)",
+            "scene.toml:17:72: `repeat` is 10000000; it must be a number above 0 and at most 1e6",
         ],
     ),
     file(
@@ -283,7 +332,7 @@ const CASES: &[Case] = &[
          type = 'environment'\n[[lights]]\ntype = 'environment'\nradiance = 1\nfile = 'a.obj'\n[[lights]]\n\
          type = 'point'\nposition = [0, 0, 0]\nintensity = 1\nradius = 1\n",
         &[
-            "scene.toml:5:13: `intensity` is -1; it must be a number of at least 0 W/sr",
+            "scene.toml:5:13: `intensity` is -1; it must be a number from 0 to 1e20 W/sr",
             "scene.toml:6:1: one of the keys `file` or `radiance` is needed",
             "scene.toml:10:1: `radiance` does not go with `file`; remove one of them",
             "scene.toml:11:8: `a.obj` is of an unknown format; it must end in .hdr or .exr",

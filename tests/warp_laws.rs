@@ -312,11 +312,11 @@ fn narrow_shapes_keep_their_precision() {
     }
 }
 
-/// All warps of sixteen pairs, component by component.
+/// All warps of the same pairs, and their densities and inverses, component by component.
 struct Wide;
 
 impl<S: Isa> Kernel<S> for Wide {
-    type Output = Vec<[f32; 14]>;
+    type Output = Vec<[f32; 37]>;
     #[inline(always)]
     fn run(self, isa: S) -> Self::Output {
         let pairs: Vec<_> = random_pairs(1024, 9).collect();
@@ -324,15 +324,36 @@ impl<S: Isa> Kernel<S> for Wide {
         for some in pairs.chunks_exact(S::WIDTH) {
             let u = [isa.per_lane(|i| some[i][0]), isa.per_lane(|i| some[i][1])];
             let [x, y] = warp::disc(u);
-            let a = warp::cosine_hemisphere(u);
-            let b = warp::cone(u, isa.splat(0.01));
-            let c = warp::power_cosine(u, isa.splat(50.0));
-            let [b0, b1, _] = warp::triangle(u);
-            let back = warp::cone_inverse(b, isa.splat(0.01));
-            let pdf = warp::power_cosine_pdf(c, isa.splat(50.0));
-            let all = [x, y, a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z * b0, b1 + pdf, back[0], back[1]];
+            let [b0, b1, b2] = warp::triangle(u);
+            let hemisphere = warp::cosine_hemisphere(u);
+            let (upper, sphere) = (warp::uniform_hemisphere(u), warp::uniform_sphere(u));
+            let (narrow, narrower) = (isa.splat(0.01), isa.splat(1e-8));
+            let (cone, needle) = (warp::cone(u, narrow), warp::cone(u, narrower));
+            let (lobe, sharp) =
+                (warp::power_cosine(u, isa.splat(50.0)), warp::power_cosine(u, isa.splat(1e6)));
+            let [disc_u, disc_v] = warp::disc_inverse([x, y]);
+            let [up_u, up_v] = warp::cosine_hemisphere_inverse(hemisphere);
+            let [cone_u, cone_v] = warp::cone_inverse(cone, narrow);
+            let [three_u, three_v] = warp::triangle_inverse([b0, b1, b2]);
+            // Densities over their greatest.
+            let densities = [
+                warp::cosine_hemisphere_pdf(hemisphere.z),
+                warp::cone_pdf(narrow) * 0.01,
+                warp::power_cosine_pdf(lobe, isa.splat(50.0)) * (1.0 / 8.0),
+            ];
+            // What is narrow, as wide as the others.
+            let widened = |w: Vec3<S::F>, by: f32| Vec3::new(w.x * by, w.y * by, w.z);
+            let vectors =
+                [hemisphere, upper, sphere, cone, widened(needle, 7e3), lobe, widened(sharp, 700.0)];
             for i in 0..S::WIDTH {
-                out.push(all.map(|x| x.extract(i)));
+                let mut row = [0.0; 37];
+                let numbers =
+                    [x, y, b0, b1, b2, disc_u, disc_v, up_u, up_v, cone_u, cone_v, three_u, three_v];
+                let parts = vectors.iter().flat_map(|w| [w.x, w.y, w.z]);
+                for (to, from) in row.iter_mut().zip(numbers.into_iter().chain(densities).chain(parts)) {
+                    *to = from.extract(i);
+                }
+                out.push(row);
             }
         }
         out

@@ -47,7 +47,7 @@ impl<F: Lanes> RoughConductor<F> {
     /// Distribution of Visible Normals, eq. 17).
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        let (h, lit) = half_vector(wo, wi);
+        let (h, _, lit) = half_vector(wo, wi);
         let pdf = self.facets.mirrored_pdf(wo, h);
         F::select(lit, pdf, pdf.splat(0.0))
     }
@@ -55,18 +55,22 @@ impl<F: Lanes> RoughConductor<F> {
     /// F D G2 / (4 cos theta_o cos theta_i).
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        let (h, lit) = half_vector(wo, wi);
+        let (h, cos, lit) = half_vector(wo, wi);
         let f = self.facets.reflected(h, wo, wi);
-        self.metal.at(wo.dot(h)) * F::select(lit, f, f.splat(0.0))
+        self.metal.at(cos) * F::select(lit, f, f.splat(0.0))
     }
 }
 
-/// The normal that mirrors `wo` into `wi`, and where both lie above the surface and the normal exists.
+/// The normal that mirrors `wo` into `wi`, its cosine with either, and where both lie above the surface and the normal exists.
+///
+/// The cosine is half the length of the sum of both: as their product with the normal it would lose twice as many digits where
+/// they nearly oppose each other.
 #[inline(always)]
-pub(crate) fn half_vector<F: Lanes>(wo: Vec3<F>, wi: Vec3<F>) -> (Vec3<F>, F::Mask) {
+pub(crate) fn half_vector<F: Lanes>(wo: Vec3<F>, wi: Vec3<F>) -> (Vec3<F>, F, F::Mask) {
     let sum = wo + wi;
     let length2 = sum.length2();
     // Below 1e-6 of length both directions graze and their half vector is rounding noise.
     let exists = length2.gt(1e-12) & wo.z.gt(0.0) & wi.z.gt(0.0);
-    (sum * length2.max(1e-12).rsqrt(), exists)
+    let inverse = length2.max(1e-12).rsqrt();
+    (sum * inverse, (length2 * inverse * 0.5).min(1.0), exists)
 }

@@ -35,8 +35,8 @@ impl<F: Lanes> Jitter<F> {
     /// (m + 1) / (2 pi) cos^m / (4 wo.h): density of [`Self::sample`] with respect to solid angle.
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        let (h, lit) = half_vector(wo, wi);
-        F::select(lit, self.density(h, wo.dot(h)), wo.z.splat(0.0))
+        let (h, cos, lit) = half_vector(wo, wi);
+        F::select(lit, self.density(h, cos), wo.z.splat(0.0))
     }
 
     /// reflectance pdf / cos theta_i, so that every sample weighs the same.

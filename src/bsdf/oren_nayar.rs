@@ -49,7 +49,7 @@ impl<F: Lanes> OrenNayar<F> {
         let rough = self.roughness * plain;
         // The part of wo and wi that runs along the surface: positive where light comes from the viewer's side.
         let s = wo.x.mul_add(wi.x, wo.y * wi.y);
-        let t = F::select(s.gt(0.0), wo.z.max(wi.z).max(1e-6), one);
+        let t = F::select(s.gt(0.0), wo.z.max(wi.z).max(1e-30), one);
         let single = rough.mul_add(s / t, plain);
         let mean = rough.mul_add(rough.splat(MEAN), plain);
         let lost = (one - self.albedo(wo.z)).max(0.0) * (one - self.albedo(wi.z)).max(0.0);

@@ -37,7 +37,7 @@ impl<F: Lanes> Phong<F> {
     pub fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
         let wi = raw_lobe(wo, u2, self.exponent);
         let pdf = self.pdf(wo, wi);
-        let weight = self.reflectance * self.weight(wo, wi);
+        let weight = self.reflectance * (self.weight_over_cos(wo, wi) * wi.z.max(0.0));
         BsdfSample { wi, weight, pdf, valid: pdf.gt(0.0) }
     }
 
@@ -51,20 +51,19 @@ impl<F: Lanes> Phong<F> {
     /// The scaled power of the cosine, 1/sr.
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        self.reflectance * (self.pdf(wo, wi) * self.weight(wo, wi) / wi.z.max(1e-30))
+        self.reflectance * (self.pdf(wo, wi) * self.weight_over_cos(wo, wi))
     }
 
-    /// Value times cosine over density, for a reflectance of 1.
+    /// Value over density, for a reflectance of 1.
     #[inline(always)]
-    fn weight(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
+    fn weight_over_cos(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
         // (e + 2) / (e + 1).
         let scale = (self.exponent + 1.0).recip() + 1.0;
-        let cos = wi.z.max(0.0);
         match self.scale {
-            PhongScale::Modified => cos * scale,
+            PhongScale::Modified => scale,
             PhongScale::MaxCosine => {
                 let excess = (self.exponent * -0.09 + 1.091).max(1.0);
-                cos / cos.max(wo.z).max(1e-30) * (scale / excess)
+                scale / excess / wi.z.max(wo.z).max(1e-30)
             }
         }
     }

@@ -23,7 +23,7 @@ pub struct RoughDielectric<F> {
 
 impl<F: Lanes> RoughDielectric<F> {
     /// A direction mirrored at a visible normal, and one refracted at the same normal. The first is not valid below the
-    /// surface, the second not above and not under total internal reflection.
+    /// surface, the second not above and not under total internal reflection. Between equal media the second goes straight on.
     #[inline(always)]
     pub fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> [BsdfSample<F>; 2] {
         let h = self.facets.sample_visible(wo, u2);
@@ -40,9 +40,12 @@ impl<F: Lanes> RoughDielectric<F> {
         let wi = (h * (c * inverse - at.cos_t) - wo * inverse).normalize();
         // c - eta cos_t, which cancels for near-matched media, as a quotient: eta^2 cos_t^2 = eta^2 - 1 + c^2.
         let denominator = (eta - 1.0) * (eta + 1.0) / (c + eta * at.cos_t);
-        let stretch = eta.square() * at.cos_t / denominator.square();
-        let pdf = pdf * 4.0 * c * stretch;
-        let weight = Rgb::gray((-at.reflectance + 1.0) * self.facets.g1(wi) * inverse.square());
+        let stretch = eta.square() * at.cos_t / denominator.square().max(NARROWEST);
+        // Between equal media there is nothing to be spread or masked by: all light goes straight on.
+        let matched = eta.eq(1.0);
+        let pdf = F::select(matched, eta.splat(1.0 / NARROWEST), pdf * 4.0 * c * stretch);
+        let seen = F::select(matched, eta.splat(1.0), self.facets.g1(wi));
+        let weight = Rgb::gray((-at.reflectance + 1.0) * seen * inverse.square());
         let valid = facing & wi.z.lt(0.0) & !at.total & pdf.gt(0.0) & pdf.is_finite();
         [mirrored, BsdfSample { wi, weight, pdf, valid }]
     }
@@ -52,7 +55,7 @@ impl<F: Lanes> RoughDielectric<F> {
     /// Below: D G1(wo) (wo.h) / wo.z times eta^2 |wi.h| / (wo.h + eta wi.h)^2 (Walter et al. 2007, eq. 17).
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        let (h, lit) = half_vector(wo, wi);
+        let (h, _, lit) = half_vector(wo, wi);
         let above = self.facets.mirrored_pdf(wo, h);
         let Through { h, cos_o, cos_i, denominator2, lit: crossed } = self.through(wo, wi);
         let stretch = self.glass.eta().square() * cos_i / denominator2;
@@ -66,8 +69,8 @@ impl<F: Lanes> RoughDielectric<F> {
     /// which radiance grows with the square of the index.
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        let (h, lit) = half_vector(wo, wi);
-        let above = self.glass.at(wo.dot(h)).reflectance * self.facets.reflected(h, wo, wi);
+        let (h, cos, lit) = half_vector(wo, wi);
+        let above = self.glass.at(cos).reflectance * self.facets.reflected(h, wo, wi);
         let Through { h, cos_o, cos_i, denominator2, lit: crossed } = self.through(wo, wi);
         let facets = self.facets.d(h) * self.facets.g1_over_cos(wo) * self.facets.g1_over_cos(wi);
         let geometry = cos_o * cos_i / denominator2;
@@ -82,13 +85,17 @@ impl<F: Lanes> RoughDielectric<F> {
         // wo + eta wi, arranged so that near-matched media keep what their directions know.
         let sum = wo + wi + wi * (eta - 1.0);
         let length2 = sum.length2();
-        let h = sum * length2.max(1e-14).rsqrt();
+        let h = sum * length2.max(NARROWEST).rsqrt();
         let h = Vec3::select(h.z.lt(0.0), -h, h);
         let (cos_o, cos_i) = (wo.dot(h), -wi.dot(h));
-        let lit = wo.z.gt(0.0) & wi.z.lt(0.0) & cos_o.gt(0.0) & cos_i.gt(0.0) & length2.gt(1e-14);
-        Through { h, cos_o, cos_i, denominator2: length2.max(1e-14), lit }
+        let lit = wo.z.gt(0.0) & wi.z.lt(0.0) & cos_o.gt(0.0) & cos_i.gt(0.0) & length2.gt(NARROWEST);
+        Through { h, cos_o, cos_i, denominator2: length2.max(NARROWEST), lit }
     }
 }
+
+/// Where the square of wo.h + eta wi.h is less, media are so nearly matched that refraction turns light by less than its direction
+/// is rounded by: what goes through is then one direction, of a great density, that no other light meets.
+const NARROWEST: f32 = 1e-14;
 
 /// A facet that light goes through.
 struct Through<F: Lanes> {

@@ -39,7 +39,8 @@ impl<F: Lanes> Schlick<F> {
         let (zero, one) = (roughness.splat(0.0), roughness.splat(1.0));
         let r = roughness.clamp(0.0, 1.0);
         let glossy = r * (one - r) * 4.0;
-        let rest = one - glossy;
+        // 1 - 4 r (1 - r).
+        let rest = (one - r * 2.0).square();
         let rough = r.ge(0.5);
         let shares = [F::select(rough, rest, zero), glossy, F::select(rough, zero, rest)];
         let alpha_x = (r / isotropy).sqrt().clamp(SMOOTHEST, 1.0);
@@ -69,23 +70,23 @@ impl<F: Lanes> Schlick<F> {
     /// Density of [`Self::sample`] with respect to solid angle.
     #[inline(always)]
     pub fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        let (h, lit) = half_vector(wo, wi);
+        let (h, _, lit) = half_vector(wo, wi);
         F::select(lit, self.facets.mirrored_pdf(wo, h), wo.z.splat(0.0))
     }
 
     /// The glossy part, 1/sr: its share times S D G2 / (4 cos theta_o cos theta_i).
     #[inline(always)]
     pub fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        let (h, lit) = half_vector(wo, wi);
+        let (h, cos, lit) = half_vector(wo, wi);
         let f = self.facets.reflected(h, wo, wi);
-        self.tint(wo.dot(h)) * F::select(lit, f * self.shares[1], f.splat(0.0))
+        self.tint(cos) * F::select(lit, f * self.shares[1], f.splat(0.0))
     }
 
     /// The diffuse part, 1/sr: its share times S / pi.
     #[inline(always)]
     pub fn diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        let (h, _) = half_vector(wo, wi);
-        Diffuse { reflectance: self.tint(wo.dot(h)) * self.shares[0] }.eval(wo, wi)
+        let (_, cos, _) = half_vector(wo, wi);
+        Diffuse { reflectance: self.tint(cos) * self.shares[0] }.eval(wo, wi)
     }
 
     /// About what the glossy part returns.

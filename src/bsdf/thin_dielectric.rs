@@ -32,7 +32,7 @@ impl<F: Lanes> ThinDielectric<F> {
     #[inline(always)]
     pub fn fractions(&self, cos: F) -> [Rgb<F>; 2] {
         let at = self.glass.at(cos);
-        let slant = at.cos_t.max(1e-6).recip();
+        let slant = at.cos_t.max(1e-30).recip();
         let a = Rgb::new(
             self.transmittance.r.powf(slant),
             self.transmittance.g.powf(slant),

@@ -75,7 +75,7 @@ record! {
         /// The two colours; the first one starts at the origin of the surface parameters.
         checker: [Rgb<f32>; 2], min(0.0), max(1.0);
         /// How many fields there are along u and along v between 0 and 1.
-        repeat: [f32; 2] = [2.0, 2.0], above(0.0);
+        repeat: [f32; 2] = [2.0, 2.0], above(0.0), max(1e6);
     }
 }
 
@@ -409,7 +409,7 @@ record! {
     /// What a surface is made of.
     pub struct Material {
         /// Radiance it gives off besides, on the side of its normals.
-        emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0);
+        emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0), max(1e20);
         ..scattering: Scattering, "What it does with light.";
     }
 }
@@ -448,7 +448,7 @@ tagged! {
             /// How the normals of the facets are spread.
             distribution: Distribution = Distribution::Ggx;
             /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
-            rotate_deg: f32 = 0.0, unit("degrees");
+            rotate_deg: f32 = 0.0, unit("degrees"), min(-36000.0), max(36000.0);
             /// How reflectance depends on the angle; absent: as the table `render` says.
             fresnel: Option<Fresnel>;
             ..optics: Optics, "How much it reflects at which angle.";
@@ -458,7 +458,7 @@ tagged! {
             /// Index of refraction against that of air; 1 is invisible.
             ior: f32 = 1.5, min(1.0), max(10.0);
             /// What is absorbed on the way through, per channel: light falls to 1/e over 1/absorption metres.
-            absorption: Rgb<f32> = Rgb::gray(0.0), unit("1/m"), min(0.0);
+            absorption: Rgb<f32> = Rgb::gray(0.0), unit("1/m"), min(0.0), max(1e9);
             /// Where bodies overlap, the one of the highest priority is there.
             priority: i32 = 0;
             /// Width of the distribution of facets, one number or one along each tangent; 0 is polished. Tangents follow the
@@ -467,7 +467,7 @@ tagged! {
             /// How the normals of the facets are spread.
             distribution: Distribution = Distribution::Ggx;
             /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
-            rotate_deg: f32 = 0.0, unit("degrees");
+            rotate_deg: f32 = 0.0, unit("degrees"), min(-36000.0), max(36000.0);
             /// How reflectance depends on the angle; absent: as the table `render` says.
             fresnel: Option<Fresnel>;
         }
@@ -527,7 +527,7 @@ tagged! {
             /// From 0, a mirror, to 1, matt; part of the light is lost between, half of it at 0.5.
             roughness: f32 = 0.2, min(0.0), max(1.0);
             /// 1 is the same in all directions; less is brushed along the first tangent of `conductor`.
-            isotropy: f32 = 1.0, above(0.0), max(1.0);
+            isotropy: f32 = 1.0, min(1e-4), max(1.0);
         }
         /// Other materials in one place, each with its share of the light.
         "mix" => Mix {
@@ -537,7 +537,7 @@ tagged! {
         /// A surface that shines and reflects nothing.
         "emission" => Emission {
             /// What it emits in every direction.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
             /// Whether it shines on both sides, not only on that of its normals.
             two_sided: bool = false;
         }
@@ -606,9 +606,9 @@ tagged! {
         /// A complex index of refraction, per channel.
         "eta" => Index {
             /// Real part of the index of refraction.
-            eta: Rgb<f32>, above(0.0);
+            eta: Rgb<f32>, min(1e-3), max(1e3);
             /// Imaginary part of the index of refraction.
-            k: Rgb<f32>, above(0.0);
+            k: Rgb<f32>, above(0.0), max(1e6);
         }
         /// Two colours, from which an index of refraction is derived.
         "reflectance" => Artist {
@@ -814,7 +814,7 @@ tagged! {
             /// Where it is.
             position: DVec3, unit("m");
             /// Power per solid angle.
-            intensity: Rgb<f32>, unit("W/sr"), min(0.0);
+            intensity: Rgb<f32>, unit("W/sr"), min(0.0), max(1e20);
         }
         /// A point that shines into a cone.
         "spot" => Spot {
@@ -823,7 +823,7 @@ tagged! {
             /// The point it aims at.
             at: DVec3, unit("m");
             /// Power per solid angle in the middle of the cone.
-            intensity: Rgb<f32>, unit("W/sr"), min(0.0);
+            intensity: Rgb<f32>, unit("W/sr"), min(0.0), max(1e20);
             /// Angle between the axis and the rim of the cone.
             angle_deg: f32 = 30.0, unit("degrees"), above(0.0), max(180.0);
             /// The outer part of the angle over which the light fades to nothing.
@@ -834,7 +834,7 @@ tagged! {
             /// Where the light travels; any length.
             direction: Vec3, nonzero();
             /// Power per area on a surface that faces the light.
-            irradiance: Rgb<f32>, unit("W/m^2"), min(0.0);
+            irradiance: Rgb<f32>, unit("W/m^2"), min(0.0), max(1e20);
         }
         /// A flat parallelogram that shines along `edge_u` x `edge_v`.
         "rectangle" => Rectangle {
@@ -845,7 +845,7 @@ tagged! {
             /// From the centre to the middle of the next side.
             edge_v: Vec3, unit("m"), nonzero();
             /// What it emits in every direction of its bright side.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
         }
         /// A flat round disc that shines along its normal.
         "disc" => Disc {
@@ -856,7 +856,7 @@ tagged! {
             /// Radius.
             radius: f32, unit("m"), above(0.0);
             /// What it emits in every direction of its bright side.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
         }
         /// A sphere that shines outwards.
         "sphere" => Sphere {
@@ -865,14 +865,14 @@ tagged! {
             /// Radius.
             radius: f32, unit("m"), above(0.0);
             /// What it emits in every direction.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
         }
         /// Triangles from a file that shine on the side their normals point to.
         "mesh" => Mesh {
             /// An OBJ or PLY file.
             file: Located<PathBuf>, file(EXTENSIONS);
             /// What they emit in every direction of their bright side.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
             /// Steps that carry the mesh to its place, in the order written.
             transform: Vec<Located<Step>> = vec![];
         }
@@ -898,7 +898,7 @@ tagged! {
         /// The same from everywhere.
         "radiance" => Constant {
             /// What arrives.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0);
+            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
         }
     }
 }

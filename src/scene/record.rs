@@ -84,15 +84,15 @@ impl Rules {
     pub(crate) fn in_words(&self) -> String {
         let bounds = match (self.lower, self.upper) {
             (None, None) => String::new(),
-            (Some((a, true)), None) => format!(" above {a}"),
-            (Some((a, false)), None) => format!(" of at least {a}"),
-            (None, Some((b, true))) => format!(" below {b}"),
-            (None, Some((b, false))) => format!(" of at most {b}"),
-            (Some((a, false)), Some((b, false))) => format!(" from {a} to {b}"),
+            (Some((a, true)), None) => format!(" above {}", short(a)),
+            (Some((a, false)), None) => format!(" of at least {}", short(a)),
+            (None, Some((b, true))) => format!(" below {}", short(b)),
+            (None, Some((b, false))) => format!(" of at most {}", short(b)),
+            (Some((a, false)), Some((b, false))) => format!(" from {} to {}", short(a), short(b)),
             (Some((a, from)), Some((b, to))) => {
                 let (from, to) =
                     (if from { "above" } else { "at least" }, if to { "below" } else { "at most" });
-                format!(" {from} {a} and {to} {b}")
+                format!(" {from} {} and {to} {}", short(a), short(b))
             }
         };
         match self.unit {
@@ -101,6 +101,12 @@ impl Rules {
             None => bounds,
         }
     }
+}
+
+/// A number in words: great round ones by their exponent.
+fn short(x: f64) -> String {
+    let (plain, scientific) = (x.to_string(), format!("{x:e}"));
+    if x.abs() >= 1e6 && scientific.len() < plain.len() { scientific } else { plain }
 }
 
 /// What can stand behind a key.

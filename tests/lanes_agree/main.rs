@@ -4,7 +4,8 @@
 //! shows the difference. Each quantity therefore states the relative error it is held to and why that is not zero.
 //! Instruction sets that the machine lacks are skipped with a printed line.
 //!
-//! Each lobe is a kernel of its own: the time to compile one grows faster than its size.
+//! Each lobe is asked in one function per instruction set, out of line, however many of its parameters are tried: the time to
+//! compile a kernel grows faster than its size.
 
 /// A kernel, its name, and the test that it is the same at every width.
 macro_rules! parts {
@@ -25,6 +26,8 @@ macro_rules! parts {
 }
 
 mod lights;
+#[path = "../support/lights.rs"]
+mod lights_list;
 mod phong;
 #[path = "../support/random.rs"]
 mod random;
@@ -32,9 +35,9 @@ mod rough;
 mod smooth;
 
 use random::Random;
-use specula::bsdf::{Branch, BsdfSample};
-use specula::math::Vec3;
+use specula::bsdf::{Branch, BsdfSample, Lobe};
 use specula::math::lanes::{Isa, Kernel, Lanes, Level};
+use specula::math::{Rgb, Vec3};
 
 /// Numbers for one lane.
 type Input = [f32; 8];
@@ -89,6 +92,14 @@ impl Table {
         self.put_all([who, "weight"], [bound[2], 1.0], valid, [weight.r; 3]);
     }
 
+    /// The same for all ways that there are.
+    #[inline(always)]
+    fn put_samples<F: Lanes>(&mut self, who: &str, bound: [f32; 3], samples: [Option<BsdfSample<F>>; 2]) {
+        for sample in samples.into_iter().flatten() {
+            self.put_sample(who, bound, sample);
+        }
+    }
+
     #[inline(always)]
     fn put_branch<F: Lanes>(&mut self, who: &str, bound: f32, branch: Branch<F>) {
         let Branch { wi, weight, radiance_scale, valid, .. } = branch;
@@ -96,6 +107,44 @@ impl Table {
         self.put_all([who, "weight"], [bound, 1.0], valid, [weight.r, weight.g, weight.b]);
         self.put([who, "scale"], [1e-6, 0.0], radiance_scale);
     }
+}
+
+/// What a lobe answers.
+struct Told<F: Lanes> {
+    sampled: [Option<BsdfSample<F>>; 2],
+    branches: [Option<Branch<F>>; 2],
+    pdf: F,
+    glossy: Rgb<F>,
+    diffuse: Rgb<F>,
+}
+
+/// All that can be asked of a lobe.
+struct Ask<'a, L, F> {
+    lobe: &'a L,
+    wo: Vec3<F>,
+    wi: Vec3<F>,
+    u2: [F; 2],
+}
+
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
+    type Output = Told<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Told<S::F> {
+        let Self { lobe, wo, wi, u2 } = self;
+        Told {
+            sampled: lobe.sample_glossy(wo, u2),
+            branches: lobe.branches(wo),
+            pdf: lobe.pdf_glossy(wo, wi),
+            glossy: lobe.eval_glossy(wo, wi),
+            diffuse: lobe.eval_diffuse(wo, wi),
+        }
+    }
+}
+
+/// A function of its own per lobe and instruction set, as a renderer has it.
+#[inline(never)]
+fn ask<F: Lanes, L: Lobe<F>>(lobe: &L, [wo, wi]: [Vec3<F>; 2], u2: [F; 2]) -> Told<F> {
+    wo.z.isa().run(Ask { lobe, wo, wi, u2 })
 }
 
 /// What is computed from each input, compiled as one kernel.

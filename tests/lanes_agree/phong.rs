@@ -1,7 +1,7 @@
 //! Fuzzy mirrors.
 
-use crate::{another, viewer};
-use specula::bsdf::{Below, Glossy, Jitter, Phong, PhongScale};
+use crate::{another, ask, viewer};
+use specula::bsdf::{Below, Diffuse, Glossy, Jitter, Over, Phong, PhongScale};
 use specula::math::Rgb;
 use specula::math::lanes::Lanes;
 
@@ -13,31 +13,28 @@ fn bound_of(exponent: f32) -> f32 {
     1e-5 + 2e-6 * exponent.sqrt()
 }
 
-parts! {
-    /// Directions below the surface are turned.
-    Turned turned_lobes_are_the_same_at_every_width, |table, input| {
-        let [_, _, u, v, eta, ..] = input;
-        let (wo, wi) = (viewer(input), another(input));
-        for (who, exponent) in EXPONENTS {
-            let lobe = Glossy::new(Rgb::gray(u), eta.splat(exponent));
-            let bound = bound_of(exponent);
-            table.put_sample(who, [2e-6, bound, 0.0], lobe.sample(wo, [u, v]));
-            // Near the horizon of the lobe cosines are differences.
-            table.put([who, "density"], [bound, 0.01], lobe.pdf(wo, wi));
-            table.put([who, "value times cosine"], [bound, 0.01], lobe.eval(wo, wi).r * wi.z);
-        }
-    }
+/// A lobe over a base as gray as itself.
+#[inline(always)]
+fn over<L, F>(lobe: L, reflectance: Rgb<F>) -> Over<L, F> {
+    Over { lobe, base: Diffuse { reflectance } }
+}
 
-    /// They are lost, or drawn again.
-    CutOff cut_lobes_are_the_same_at_every_width, |table, input| {
+parts! {
+    /// Directions below the surface are turned, lost, or drawn again.
+    Mirrored lobes_about_the_mirror_direction_are_the_same_at_every_width, |table, input| {
         let [_, _, u, v, eta, ..] = input;
-        let (wo, wi) = (viewer(input), another(input));
+        let both = [viewer(input), another(input)];
         for (who, exponent) in EXPONENTS {
             let bound = bound_of(exponent);
-            for below in [Below::Discard, Below::Rejection] {
-                let lobe = Glossy { reflectance: Rgb::gray(u), exponent: eta.splat(exponent), below };
-                table.put_sample(who, [2e-6, bound, 0.0], lobe.sample(wo, [u, v]));
-                table.put([who, "density"], [bound, 0.01], lobe.pdf(wo, wi));
+            for below in [Below::ThroughR, Below::Discard, Below::Rejection] {
+                let reflectance = Rgb::gray(u);
+                let lobe = over(Glossy { reflectance, exponent: eta.splat(exponent), below }, reflectance);
+                let told = ask(&lobe, both, [u, v]);
+                table.put_samples(who, [2e-6, bound, 0.0], told.sampled);
+                // Near the horizon of the lobe cosines are differences.
+                table.put([who, "density"], [bound, 0.01], told.pdf);
+                table.put([who, "value times cosine"], [bound, 0.01], told.glossy.r * both[1].z);
+                table.put([who, "base"], [1e-6, 0.0], told.diffuse.r);
             }
         }
     }
@@ -45,13 +42,16 @@ parts! {
     /// Reciprocal lobes.
     Reciprocal reciprocal_lobes_are_the_same_at_every_width, |table, input| {
         let [_, _, u, v, eta, ..] = input;
-        let (wo, wi) = (viewer(input), another(input));
+        let both = [viewer(input), another(input)];
         for (who, exponent) in EXPONENTS {
             let bound = bound_of(exponent);
             for scale in [PhongScale::Modified, PhongScale::MaxCosine] {
-                let lobe = Phong { reflectance: Rgb::gray(u), exponent: eta.splat(exponent), scale };
-                table.put_sample(who, [2e-6, bound, 1e-4], lobe.sample(wo, [u, v]));
-                table.put([who, "value times cosine"], [bound, 0.01], lobe.eval(wo, wi).r * wi.z);
+                let reflectance = Rgb::gray(u);
+                let lobe = over(Phong { reflectance, exponent: eta.splat(exponent), scale }, reflectance);
+                let told = ask(&lobe, both, [u, v]);
+                table.put_samples(who, [2e-6, bound, 1e-4], told.sampled);
+                table.put([who, "density"], [bound, 0.01], told.pdf);
+                table.put([who, "value times cosine"], [bound, 0.01], told.glossy.r * both[1].z);
             }
         }
     }
@@ -59,12 +59,15 @@ parts! {
     /// Normals that tremble.
     Trembling jittered_mirrors_are_the_same_at_every_width, |table, input| {
         let [_, _, u, v, eta, ..] = input;
-        let (wo, wi) = (viewer(input), another(input));
+        let both = [viewer(input), another(input)];
         for (who, exponent) in EXPONENTS {
             let bound = 10.0 * bound_of(exponent);
-            let lobe = Jitter { reflectance: Rgb::gray(u), exponent: eta.splat(exponent) };
-            table.put_sample(who, [2e-6, bound, 0.0], lobe.sample(wo, [u, v]));
-            table.put([who, "density"], [bound, 0.01], lobe.pdf(wo, wi));
+            let reflectance = Rgb::gray(u);
+            let lobe = over(Jitter { reflectance, exponent: eta.splat(exponent) }, reflectance);
+            let told = ask(&lobe, both, [u, v]);
+            table.put_samples(who, [2e-6, bound, 0.0], told.sampled);
+            table.put([who, "density"], [bound, 0.01], told.pdf);
+            table.put([who, "value times cosine"], [bound, 0.01], told.glossy.r * both[1].z);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Reflectances, mirrors, glass: what has one way on, or two.
 
-use crate::{another, viewer};
+use crate::{another, ask, viewer};
 use specula::bsdf::{
     Conductor, Dielectric, FresnelModel, Glass, Glazed, Metal, Mirror, ThinDielectric, fresnel,
 };
@@ -41,11 +41,12 @@ parts! {
     Transparent glass_is_the_same_at_every_width, |table, input| {
         let [_, _, _, v, eta, ..] = input;
         let wo = viewer(input);
-        for branch in (Dielectric { glass: Glass::exact(eta) }).branches(wo) {
+        let glass = ask(&Dielectric { glass: Glass::exact(eta) }, [wo, wo], [v, v]);
+        for branch in glass.branches.into_iter().flatten() {
             table.put_branch("dielectric", 1e-3, branch);
         }
         let pane = ThinDielectric { glass: Glass::exact(eta.max(1.1)), transmittance: Rgb::gray(v) };
-        for branch in pane.branches(wo) {
+        for branch in ask(&pane, [wo, wo], [v, v]).branches.into_iter().flatten() {
             table.put_branch("pane", 2e-6, branch);
         }
     }
@@ -54,12 +55,21 @@ parts! {
     Polished polished_surfaces_are_the_same_at_every_width, |table, input| {
         let [_, _, u, v, eta, k, ..] = input;
         let wo = viewer(input);
-        table.put_branch("mirror", 1e-6, Mirror { reflectance: Rgb::gray(u) }.branch(wo));
+        let wi = another(input);
+        let mirror = ask(&Mirror { reflectance: Rgb::gray(u) }, [wo, wi], [u, v]);
+        for branch in mirror.branches.into_iter().flatten() {
+            table.put_branch("mirror", 1e-6, branch);
+        }
         // (eta - k)(eta + k) - s^2 cancels where both are near one.
         let metal = Metal::new(FresnelModel::Exact, Rgb::gray(eta), Rgb::gray(k));
-        table.put_branch("conductor", 1e-5, Conductor { metal }.branch(wo));
+        for branch in ask(&Conductor { metal }, [wo, wi], [u, v]).branches.into_iter().flatten() {
+            table.put_branch("conductor", 1e-5, branch);
+        }
         let glazed = Glazed { glass: Glass::exact(eta.max(1.4)), inside: Rgb::gray(v) };
-        table.put_branch("glazed", 2e-6, glazed.branch(wo));
-        table.put(["glazed", "value"], [2e-6, 1.0], glazed.diffuse(wo, another(input)).r);
+        let told = ask(&glazed, [wo, wi], [u, v]);
+        for branch in told.branches.into_iter().flatten() {
+            table.put_branch("glazed", 2e-6, branch);
+        }
+        table.put(["glazed", "value"], [2e-6, 1.0], told.diffuse.r);
     }
 }

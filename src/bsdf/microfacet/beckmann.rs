@@ -33,8 +33,8 @@ impl<F: Lanes> Beckmann<F> {
     /// exp(-((x / a_x)^2 + (y / a_y)^2) / z^2) / (pi a_x a_y z^4) (Walter et al. 2007, eq. 25, for two roughnesses).
     #[inline(always)]
     pub fn d(&self, h: Vec3<F>) -> F {
-        // Below 1e-9 the exponential is zero, and the fourth power must not be.
-        let z2 = h.z.square().max(1e-18);
+        // Below a cosine of 0.01 the exponential is zero, and its divisor must not be.
+        let z2 = h.z.square().max(1e-4);
         let slope2 = ((h.x / self.alpha_x).square() + (h.y / self.alpha_y).square()) / z2;
         let d = (-slope2).exp() * FRAC_1_PI / (self.alpha_x * self.alpha_y * z2.square());
         F::select(h.z.gt(0.0), d, d.splat(0.0))

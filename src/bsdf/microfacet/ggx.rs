@@ -57,9 +57,10 @@ impl<F: Lanes> Ggx<F> {
         let stretched = Vec3::new(wo.x * self.alpha_x, wo.y * self.alpha_y, wo.z).normalize();
         // Height above the rim of the cap, which the sum of both vectors has for its own.
         let height = (one - v) * (stretched.z + 1.0);
-        let z = height - stretched.z;
-        // 1 - z^2 as (1 - z)(1 + z), with 1 - z = v (1 + wo.z) exactly.
-        let s = (v * (stretched.z + 1.0) * (z + 1.0)).max(0.0).sqrt();
+        // 1 - z^2 as (1 - z)(1 + z), with 1 - z = v (1 + wo.z) and 1 + z = height + sin^2 / (1 + wo.z): of steep slopes, for
+        // which both are small, the sum 1 + z itself would leave nothing.
+        let sin2 = stretched.x.mul_add(stretched.x, stretched.y * stretched.y);
+        let s = (v * (stretched.z + 1.0).mul_add(height, sin2)).sqrt();
         let (sin, cos) = u.sin_cos_turns();
         let (x, y) = (cos.mul_add(s, stretched.x), sin.mul_add(s, stretched.y));
         Vec3::new(x * self.alpha_x, y * self.alpha_y, height.max(1e-30)).normalize()

@@ -136,6 +136,9 @@ pub(crate) fn form(form: &Form, fields: &mut Fields<'_>) {
 /// Mixes have parts, and make no light.
 pub(crate) fn scattering(scattering: &Scattering, fields: &mut Fields<'_>) {
     let Scattering::Mix { parts } = scattering else { return };
+    if !fields.is_whole("parts", parts) {
+        return;
+    }
     let remedy = format!("give one to {MOST_PARTS}");
     if parts.is_empty() {
         fields.problem("parts", "`parts` is empty", &remedy);

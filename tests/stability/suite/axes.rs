@@ -8,6 +8,11 @@ pub(crate) struct Axis {
     pub(crate) random: fn(&mut Random) -> Vec<f32>,
 }
 
+/// An axis of these numbers, and random ones.
+pub(crate) fn of(values: &[f32], random: fn(&mut Random) -> Vec<f32>) -> Axis {
+    scalars(values, random)
+}
+
 fn scalars(values: &[f32], random: fn(&mut Random) -> Vec<f32>) -> Axis {
     Axis { extremes: values.iter().map(|x| vec![*x]).collect(), random }
 }
@@ -62,6 +67,11 @@ pub(crate) fn extinction() -> Axis {
     scalars(&[0.0, 1e-6, 1e-3, 0.1, 1.0, 3.0, 100.0, 1e4, 1e6], |random| vec![random.logarithmic(1e-7, 1e6)])
 }
 
+/// Extinctions of mirrors.
+pub(crate) fn mirroring() -> Axis {
+    scalars(&[1.0, 3.0, 100.0, 1e4, 1e6], |random| vec![random.logarithmic(1.0, 1e6)])
+}
+
 /// Phong's exponents.
 pub(crate) fn exponent() -> Axis {
     scalars(&[0.0, 1e-3, 1.0, 10.0, 1e3, 1e6, 1e8, 1e9], |random| vec![random.logarithmic(1e-3, 1e9)])
@@ -70,6 +80,24 @@ pub(crate) fn exponent() -> Axis {
 /// Roughnesses.
 pub(crate) fn alpha() -> Axis {
     scalars(&[1e-6, 1e-4, 1e-3, 0.01, 0.1, 0.5, 1.0], |random| vec![random.logarithmic(1e-6, 1.0)])
+}
+
+/// Few roughnesses, for grids of many axes.
+pub(crate) fn few_alpha() -> Axis {
+    scalars(&[1e-6, 1e-3, 0.1, 1.0], |random| vec![random.logarithmic(1e-6, 1.0)])
+}
+
+/// Few ratios of indices, for grids of many axes.
+pub(crate) fn few_eta() -> Axis {
+    Axis {
+        extremes: [1e-3, 0.667, 1.0 - 1e-7, 1.0, 1.0 + 1e-7, 1.02, 1.5, 1e3].map(|e| vec![e]).to_vec(),
+        ..eta()
+    }
+}
+
+/// Phong's exponents where a lobe's part below the surface has a sum of finitely many terms, or Gauss's limit.
+pub(crate) fn whole_exponent() -> Axis {
+    scalars(&[0.0, 1.0, 2.0, 7.0, 100.0, 301.0, 1e7, 1e9], |random| vec![(random.unit() * 300.0).floor()])
 }
 
 /// Numbers in [0, 1), both ends.
@@ -117,6 +145,18 @@ pub(crate) fn few_above() -> Axis {
     let cosines = [1e-40, 1e-7, 1e-3, 0.5, 0.9, BELOW_ONE, 1.0];
     let all = cosines.iter().flat_map(|cos| [0.11, 0.61].map(|turn| direction_of(*cos, turn)));
     Axis { extremes: all.collect(), ..above() }
+}
+
+/// The same below the surface.
+pub(crate) fn few_below() -> Axis {
+    let turned = |d: Vec<f32>| vec![d[0], d[1], -d[2]];
+    Axis {
+        extremes: few_above().extremes.into_iter().map(turned).collect(),
+        random: |random| {
+            let d = direction_of(any_cosine(random).min(1.0), random.unit());
+            vec![d[0], d[1], -d[2]]
+        },
+    }
 }
 
 /// Directions of all the sphere, the poles among them.

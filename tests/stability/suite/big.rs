@@ -3,6 +3,7 @@
 use dashu_float::FBig;
 use dashu_float::round::mode::HalfEven;
 use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::LazyLock;
 
 const BITS: usize = 200;
 
@@ -28,6 +29,18 @@ impl Big {
     pub(crate) fn ln(&self) -> Self {
         if *self <= big(0.0) { big(-1e30) } else { Self(self.0.ln()) }
     }
+    /// The angle in [0, pi/2] of this cosine in [0, 1].
+    pub(crate) fn acos(&self) -> Self {
+        if *self >= big(1.0) { big(0.0) } else { Self(self.0.acos()) }
+    }
+    /// The greater of both.
+    pub(crate) fn max(&self, other: &Self) -> Self {
+        if self > other { self.clone() } else { other.clone() }
+    }
+    /// The smaller of both.
+    pub(crate) fn min(&self, other: &Self) -> Self {
+        if self < other { self.clone() } else { other.clone() }
+    }
     /// Sine and cosine of that many turns.
     pub(crate) fn sin_cos_turns(&self) -> [Self; 2] {
         let (sin, cos) = self.0.sin_cos_unit(1);
@@ -49,13 +62,32 @@ impl Big {
 
 /// The circle's number: Newton's method on tan x = 1.
 pub(crate) fn pi() -> Big {
-    let mut x = big(std::f64::consts::FRAC_PI_4);
-    for _ in 0..3 {
-        let (sin, cos) = x.0.sin_cos();
-        let (sin, cos) = (Big(sin), Big(cos));
-        x = x - (&sin - &cos) / (&sin + &cos);
+    static PI: LazyLock<Big> = LazyLock::new(|| {
+        let mut x = big(std::f64::consts::FRAC_PI_4);
+        for _ in 0..3 {
+            let (sin, cos) = x.0.sin_cos();
+            let (sin, cos) = (Big(sin), Big(cos));
+            x = x - (&sin - &cos) / (&sin + &cos);
+        }
+        x * 4.0
+    });
+    PI.clone()
+}
+
+/// The error function, for `x` in [0, 6]: the series of positive terms (Abramowitz and Stegun 1964, eq. 7.1.6); beyond, where
+/// 1e-16 is missing, 1.
+pub(crate) fn erf(x: &Big) -> Big {
+    if *x > big(6.0) {
+        return big(1.0);
     }
-    x * 4.0
+    let square2 = x.square() * 2.0;
+    let (mut term, mut sum, mut odd) = (x.clone(), x.clone(), 1.0);
+    while term > &sum * 1e-50 {
+        odd += 2.0;
+        term = term * &square2 / odd;
+        sum = sum + &term;
+    }
+    sum * 2.0 * (-x.square()).exp() / pi().sqrt()
 }
 
 macro_rules! operator {

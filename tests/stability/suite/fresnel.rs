@@ -1,45 +1,14 @@
 //! Interfaces: Fresnel and Snell, from the textbook's formulas.
 
-use super::axes::{cosine, eta, extinction, few_above, fraction};
-use super::big::{Big, big, unit};
+use super::axes::{cosine, eta, extinction, fraction, mirroring};
+use super::big::{Big, big};
+use super::reference::{conductor, dielectric, schlick};
 use super::row::Row;
-use specula::bsdf::{Dielectric, FresnelModel, Glass, fresnel};
-use specula::math::Vec3;
-
-/// Fresnel's equations for indices 1 and eta; the cosine of the refracted direction, `None` under total reflection.
-pub(crate) fn dielectric(c: &Big, eta: &Big) -> Option<[Big; 2]> {
-    let sin2 = (big(1.0) - c.square()) / eta.square();
-    let cos2 = big(1.0) - sin2;
-    if !cos2.is_positive() && *eta != big(1.0) {
-        return None;
-    }
-    let t = if *eta == big(1.0) { c.clone() } else { cos2.sqrt() };
-    if *eta == big(1.0) {
-        return Some([big(0.0), t]);
-    }
-    let s = (c - eta * &t) / (c + eta * &t);
-    let p = (eta * c - &t) / (eta * c + &t);
-    Some([(s.square() + p.square()) / 2.0, t])
-}
-
-/// The same with a complex index: by real parts (Born and Wolf 1999, 14.2), without rearrangement.
-fn conductor(c: &Big, eta: &Big, k: &Big) -> Option<Vec<Big>> {
-    let s2 = big(1.0) - c.square();
-    let t0 = eta.square() - k.square() - &s2;
-    let ab = (t0.square() + eta.square() * k.square() * 4.0).sqrt();
-    // Grazing between equal media, which has no limit.
-    if &ab + c.square() < big(1e-30) {
-        return None;
-    }
-    let a = ((&ab + &t0) / 2.0).sqrt();
-    let rs = (&ab + c.square() - c * &a * 2.0) / (&ab + c.square() + c * &a * 2.0);
-    let (far, near) = (&ab * c.square() + s2.square(), c * &a * &s2 * 2.0);
-    let rp = &rs * (&far - &near) / (&far + &near);
-    Some(vec![(rs + rp) / 2.0])
-}
+use specula::bsdf::{FresnelModel, Glass, Metal, fresnel};
+use specula::math::Rgb;
 
 /// Relative rounding of r and t near the critical angle: the square of the cosine is a difference.
-fn near_critical(c: f64, eta: f64) -> f64 {
+pub(crate) fn near_critical(c: f64, eta: f64) -> f64 {
     let g2 = (eta - 1.0) * (eta + 1.0) + c * c;
     let parts = ((eta - 1.0) * (eta + 1.0)).abs() + c * c;
     if g2 <= 0.0 { 0.0 } else { 6e-8 * parts / g2 }
@@ -71,18 +40,50 @@ pub(crate) fn rows() -> Vec<Row> {
             "conductor: reflectance",
             [cosine(), eta(), extinction()],
             |c, e, k| [fresnel::conductor(c, e, k)],
-            |t| conductor(&t[0], &t[1], &t[2]),
+            |t| conductor(&t[0], &t[1], &t[2]).map(|r| vec![r]),
             "1e-6 absolute",
             |_, _| 1e-6
+        ),
+        kernel!(
+            "conductor: what is not reflected, of metals of extinction 1 and more",
+            [cosine(), eta(), mirroring()],
+            |c, e, k| [-fresnel::conductor(c, e, k) + 1.0],
+            |t| conductor(&t[0], &t[1], &t[2]).map(|r| vec![big(1.0) - r]),
+            "2e-6 of itself, a rounding of 1, and 4 of eta^2 - k^2 over what its difference from 1 leaves",
+            |a, lost| {
+                let [eta, k] = [a[1], a[2]];
+                // a of n^2 = (a + i b)^2 comes from t0, a difference, unless k outweighs eta.
+                let s2 = 1.0 - a[0] * a[0];
+                let t0 = (eta - k) * (eta + k) - s2;
+                let ab = t0.hypot(2.0 * eta * k);
+                lost * (2e-6 + 4.0 * 6e-8 * (eta * eta + k * k + s2) / ab) + 6e-8
+            }
+        ),
+        kernel!(
+            "models of metals: Schlick, with edge term, constant",
+            [cosine(), eta(), extinction()],
+            |c, e, k| {
+                let of = |model| Metal::new(model, Rgb::gray(e), Rgb::gray(k)).at(c).r;
+                [of(FresnelModel::Schlick), of(FresnelModel::F82), of(FresnelModel::Constant)]
+            },
+            |t| {
+                let one = big(1.0);
+                let seventh = big(f64::from(fresnel::EDGE_COSINE));
+                let (r0, known) = (conductor(&one, &t[1], &t[2])?, conductor(&seventh, &t[1], &t[2])?);
+                let m = |c: &Big| &one - c;
+                let shape = |c: &Big| c * m(c).square().square() * m(c).square();
+                let edge = (schlick(&seventh, &r0) - known) / shape(&seventh);
+                let f82 = schlick(&t[0], &r0) - edge * shape(&t[0]);
+                Some(vec![schlick(&t[0], &r0), f82.max(&big(0.0)).min(&one), r0])
+            },
+            "4e-6 absolute: the conductor's 1e-6 twice, and what of it the edge term magnifies 1 time at most",
+            |_, _| 4e-6
         ),
         kernel!(
             "Schlick",
             [cosine(), fraction()],
             |c, r| [fresnel::schlick(c, r)],
-            |t| {
-                let m = big(1.0) - &t[0];
-                Some(vec![&t[1] + (big(1.0) - &t[1]) * m.square().square() * m])
-            },
+            |t| Some(vec![schlick(&t[0], &t[1])]),
             "5e-7",
             |_, r| 5e-7 * r
         ),
@@ -96,8 +97,7 @@ pub(crate) fn rows() -> Vec<Row> {
                 }
                 let r0 = ((&t[1] - 1.0) / (&t[1] + 1.0)).square();
                 Some(vec![dielectric(&t[0], &t[1]).map_or(big(1.0), |[_, inner]| {
-                    let m = big(1.0) - if t[1] < big(1.0) { &inner } else { &t[0] };
-                    &r0 + (big(1.0) - &r0) * m.square().square() * m
+                    schlick(if t[1] < big(1.0) { &inner } else { &t[0] }, &r0)
                 })])
             },
             "1e-6 absolute, and five times what rounding makes of a refracted cosine",
@@ -113,24 +113,6 @@ pub(crate) fn rows() -> Vec<Row> {
             |t| Some(vec![((&t[0] - 1.0) / (&t[0] + 1.0)).square()]),
             "5e-7",
             |_, r| 5e-7 * r
-        ),
-        kernel!(
-            "Snell: refracted direction",
-            [few_above(), eta()],
-            |x, y, z, e| {
-                let b = Dielectric { glass: Glass::exact(e) }.branches(Vec3::new(x, y, z))[1];
-                [b.wi.x, b.wi.y, b.wi.z]
-            },
-            |t| {
-                let [_, cos] = dielectric(&t[2], &t[3])?;
-                Some(unit(&[-&t[0] / &t[3], -&t[1] / &t[3], -cos]))
-            },
-            "5e-7, and the refracted cosine's",
-            |a, _| {
-                let critical = near_critical(a[2], a[3]);
-                let cos = (((a[3] - 1.0) * (a[3] + 1.0) + a[2] * a[2]).max(0.0)).sqrt() / a[3];
-                5e-7 + cos * 2.0 * critical
-            }
         ),
     ]
 }

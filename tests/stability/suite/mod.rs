@@ -7,11 +7,15 @@ mod row;
 
 pub(crate) mod axes;
 pub(crate) mod big;
+mod facets;
 mod fresnel;
 mod geometry;
-mod lobes;
+mod matt;
+mod phong;
 #[path = "../../support/random.rs"]
 pub(crate) mod random;
+mod reference;
+mod specular;
 mod vectors;
 mod warps;
 
@@ -19,8 +23,7 @@ pub(crate) use row::Row;
 
 /// All kernels, by family.
 pub(crate) fn rows() -> Vec<Row> {
-    [fresnel::rows(), lobes::rows(), warps::rows(), vectors::rows(), geometry::rows()]
-        .into_iter()
-        .flatten()
-        .collect()
+    let surfaces = [fresnel::rows(), specular::rows(), matt::rows(), facets::rows(), phong::rows()];
+    let others = [warps::rows(), vectors::rows(), geometry::rows()];
+    surfaces.into_iter().chain(others).flatten().collect()
 }

@@ -178,7 +178,24 @@ fn columns(mut points: Vec<Vec<f32>>) -> Columns {
 /// A kernel over lanes: name, axes, arguments and results in floats, arguments and truth in 200 bits, bound in words and in
 /// numbers. The truth is an `Option`, the results an array.
 macro_rules! kernel {
-    ($name:literal, [$($axis:expr),*], |$($x:ident),*| $body:expr, $truth:expr, $says:literal, $bound:expr) => {{
+    (@row $name:expr, [$($axis:expr),*], $run:expr, $truth:expr, $says:literal, $bound:expr) => {{
+        let truth: fn(&[$crate::suite::big::Big]) -> Option<Vec<$crate::suite::big::Big>> = $truth;
+        $crate::suite::row::Row::new($name, vec![$($axis),*], $run, truth, ($says, $bound))
+    }};
+    // One number at a time, whatever the width.
+    (scalar $name:expr, [$($axis:expr),*], |$a:ident| $body:expr, $truth:expr, $says:literal, $bound:expr) => {
+        kernel!(@row $name, [$($axis),*], |_, arguments, results| {
+            for i in 0..arguments[0].len() {
+                let point: Vec<f32> = arguments.iter().map(|column| column[i]).collect();
+                let $a: &[f32] = &point;
+                let out = $body;
+                for (column, x) in results.iter_mut().zip(out) {
+                    column[i] = x;
+                }
+            }
+        }, $truth, $says, $bound)
+    };
+    ($name:expr, [$($axis:expr),*], |$($x:ident),*| $body:expr, $truth:expr, $says:literal, $bound:expr) => {{
         struct Packets<'a>(&'a $crate::suite::row::Columns, &'a mut $crate::suite::row::Columns);
         impl<S: specula::math::lanes::Isa> specula::math::lanes::Kernel<S> for Packets<'_> {
             type Output = ();
@@ -203,22 +220,5 @@ macro_rules! kernel {
         }
         kernel!(@row $name, [$($axis),*], |level, arguments, results| level.run(Packets(arguments, results)),
             $truth, $says, $bound)
-    }};
-    // One number at a time, whatever the width.
-    (scalar $name:literal, [$($axis:expr),*], |$a:ident| $body:expr, $truth:expr, $says:literal, $bound:expr) => {
-        kernel!(@row $name, [$($axis),*], |_, arguments, results| {
-            for i in 0..arguments[0].len() {
-                let point: Vec<f32> = arguments.iter().map(|column| column[i]).collect();
-                let $a: &[f32] = &point;
-                let out = $body;
-                for (column, x) in results.iter_mut().zip(out) {
-                    column[i] = x;
-                }
-            }
-        }, $truth, $says, $bound)
-    };
-    (@row $name:literal, [$($axis:expr),*], $run:expr, $truth:expr, $says:literal, $bound:expr) => {{
-        let truth: fn(&[$crate::suite::big::Big]) -> Option<Vec<$crate::suite::big::Big>> = $truth;
-        $crate::suite::row::Row::new($name, vec![$($axis),*], $run, truth, ($says, $bound))
     }};
 }

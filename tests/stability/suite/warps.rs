@@ -2,6 +2,7 @@
 
 use super::axes::{above, cone, exponent, number};
 use super::big::{Big, big, dot, pi};
+use super::reference::power;
 use super::row::Row;
 use specula::math::Vec3;
 use specula::sampling::warp;
@@ -15,11 +16,6 @@ fn disc(u: &Big, v: &Big) -> [Big; 3] {
     let [sin, cos] = (&side / &r / 8.0).sin_cos_turns();
     let (x, y) = if along_x { (&r * cos, &r * sin) } else { (&r * sin, &r * cos) };
     [x, y, r.abs()]
-}
-
-/// cos^e by way of the chord.
-pub(crate) fn power(cos: &Big, exponent: &Big) -> Big {
-    if *exponent == big(0.0) { big(1.0) } else { (cos.ln() * exponent).exp() }
 }
 
 #[expect(clippy::too_many_lines, reason = "a list")]

@@ -1,0 +1,195 @@
+//! One kernel for every lobe, for lights, for every sampler, for the functions over lanes.
+//!
+//! Each is a function of its own per instruction set, out of line: in one piece they would take minutes to compile.
+
+use specula::bsdf::choice::{Answer, Question, answer};
+use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
+use specula::bsdf::{
+    Below, Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, Lobe, Metal,
+    Mirror, OrenNayar, Over, Phong, PhongScale, RoughConductor, RoughDielectric, Schlick, Spread,
+    ThinDielectric,
+};
+use specula::light::{Light, LightSample, Reference};
+use specula::math::lanes::{IntLanes, Isa, Kernel, Lanes, Level, MaskLanes};
+use specula::math::{Rgb, Vec3};
+use specula::sampling::{Dim, Sampler, SamplerKind, Vertex};
+
+/// Uses the functions over lanes that the shading pass does not.
+pub(crate) struct Functions<'a>(pub(crate) &'a mut [f32]);
+
+impl<S: Isa> Kernel<S> for Functions<'_> {
+    type Output = bool;
+    #[inline(always)]
+    fn run(self, isa: S) -> bool {
+        let x = isa.load(self.0);
+        let (s, c) = x.sin_cos();
+        let grown = x.exp() + x.exp_m1() + x.ln() + x.ln_1p() + x.powf(s);
+        let turned = x.asin() + x.acos() + c.atan() + x.atan2(c).floor().round_ties_even();
+        let bits = (grown + turned).to_bits().reverse_bits();
+        let gathered = isa.gather_u32(&[1, 2, 3], bits & 3).to_unit();
+        (gathered + turned.copysign(s).lerp(grown, c)).store(self.0);
+        bits.signed_to_float().is_finite().all()
+    }
+}
+
+/// What a path asks a lobe.
+struct Ask<'a, L, F>(&'a L, Question<F>);
+
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
+    type Output = Answer<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Answer<S::F> {
+        answer(self.0, &self.1)
+    }
+}
+
+#[inline(never)]
+fn ask<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, question: Question<S::F>) -> Answer<S::F> {
+    isa.run(Ask(lobe, question))
+}
+
+/// What a ray tree asks a lobe for the direction of a light.
+struct Value<'a, L, F>(&'a L, [Vec3<F>; 2]);
+
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Value<'_, L, S::F> {
+    type Output = Rgb<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Rgb<S::F> {
+        let Self(lobe, [wo, wi]) = self;
+        lobe.eval_glossy(wo, wi) * lobe.pdf_glossy(wo, wi) + lobe.eval_diffuse(wo, wi)
+    }
+}
+
+#[inline(never)]
+fn value<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, both: [Vec3<S::F>; 2]) -> Rgb<S::F> {
+    isa.run(Value(lobe, both))
+}
+
+/// A point that a light is asked for.
+struct Shine<'a, F>(&'a Light, Reference<F>, [F; 2]);
+
+impl<S: Isa> Kernel<S> for Shine<'_, S::F> {
+    type Output = LightSample<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> LightSample<S::F> {
+        self.0.sample(self.1, self.2)
+    }
+}
+
+#[inline(never)]
+fn shine<S: Isa>(isa: S, light: &Light, at: Reference<S::F>, u2: [S::F; 2]) -> LightSample<S::F> {
+    isa.run(Shine(light, at, u2))
+}
+
+/// The numbers of a sample.
+struct Numbers<I>(SamplerKind, [I; 2], I);
+
+impl<S: Isa> Kernel<S> for Numbers<S::I> {
+    type Output = [S::F; 3];
+    #[inline(always)]
+    fn run(self, _isa: S) -> [S::F; 3] {
+        let sampler = self.0.start(1, self.1, self.2);
+        let [u, v] = sampler.get_2d(Dim::Film, Vertex::ROOT);
+        [u, v, sampler.get_1d(Dim::LobeChoice, Vertex::ROOT)]
+    }
+}
+
+#[inline(never)]
+fn numbers<S: Isa>(isa: S, kind: SamplerKind, pixel: [S::I; 2], index: S::I) -> [S::F; 3] {
+    isa.run(Numbers(kind, pixel, index))
+}
+
+/// Runs an expression for the lobe within.
+macro_rules! each {
+    ($bsdf:expr, $lobe:ident => $body:expr) => {
+        match $bsdf {
+            Bsdf::Diffuse($lobe) => $body,
+            Bsdf::OrenNayar($lobe) => $body,
+            Bsdf::Mirror($lobe) => $body,
+            Bsdf::Conductor($lobe) => $body,
+            Bsdf::RoughConductor($lobe) => $body,
+            Bsdf::Dielectric($lobe) => $body,
+            Bsdf::RoughDielectric($lobe) => $body,
+            Bsdf::ThinDielectric($lobe) => $body,
+            Bsdf::Glossy($lobe) => $body,
+            Bsdf::Phong($lobe) => $body,
+            Bsdf::Jitter($lobe) => $body,
+            Bsdf::Glazed($lobe) => $body,
+            Bsdf::Schlick($lobe) => $body,
+        }
+    };
+}
+/// Everything, by way of the functions above.
+pub(crate) struct Everything<'a> {
+    pub(crate) lobes: &'a [Bsdf<f32>],
+    pub(crate) lights: &'a [(&'static str, Light)],
+}
+
+impl<S: Isa> Kernel<S> for Everything<'_> {
+    type Output = f32;
+    #[inline(always)]
+    fn run(self, isa: S) -> f32 {
+        let x = isa.splat(0.6);
+        let [a, b, c] = [x, x * 0.0, x * 0.0 + 0.8];
+        let (wo, light) = (Vec3::new(a, b, c), Vec3::new(-a, b, c));
+        let mut sum = x;
+        for kind in samplers() {
+            let [u, v, w] = numbers(isa, kind, [isa.iota(), isa.splat_u32(3)], isa.splat_u32(5));
+            sum = sum + u * v + w;
+        }
+        let question = Question { wo, light, light_pdf: x, choice: x, direction: [x, c] };
+        for lobe in self.lobes {
+            let lobe = lobe.spread(x);
+            let (told, asked) =
+                each!(lobe, lobe => (ask(isa, &lobe, question), value(isa, &lobe, [wo, light])));
+            sum = sum + told.lit.r + told.step.pdf + told.step.weight.g + asked.b;
+        }
+        for (_, one) in self.lights {
+            let told = shine(isa, one, Reference { p: wo, n: light }, [x, c]);
+            sum = sum + told.pdf + told.li.r + told.wi.x;
+        }
+        sum.extract(0)
+    }
+}
+
+fn samplers() -> [SamplerKind; 4] {
+    [
+        SamplerKind::Independent,
+        SamplerKind::OwenSobol,
+        SamplerKind::Stratified { spp: 12 },
+        SamplerKind::BlueNoise { spp: 16 },
+    ]
+}
+
+/// One of each kind; those that hold a distribution, twice.
+pub(crate) fn lobes() -> Vec<Bsdf<f32>> {
+    let gray = Rgb::gray(0.5_f32);
+    let base = Diffuse { reflectance: gray };
+    let (metal, glass) = (Metal::new(FresnelModel::Exact, gray, gray), Glass::exact(1.5_f32));
+    let [long, short]: [Distribution<f32>; 2] =
+        [Ggx { alpha_x: 0.1, alpha_y: 0.2 }.into(), Beckmann { alpha_x: 0.1, alpha_y: 0.2 }.into()];
+    let glossy = Glossy { reflectance: gray, exponent: 20.0, below: Below::Rejection };
+    let phong = Phong { reflectance: gray, exponent: 20.0, scale: PhongScale::MaxCosine };
+    vec![
+        Bsdf::Diffuse(base),
+        Bsdf::OrenNayar(OrenNayar { reflectance: gray, roughness: 0.5 }),
+        Bsdf::Mirror(Mirror { reflectance: gray }),
+        Bsdf::Conductor(Conductor { metal }),
+        Bsdf::RoughConductor(RoughConductor { metal, facets: long }),
+        Bsdf::RoughConductor(RoughConductor { metal, facets: short }),
+        Bsdf::Dielectric(Dielectric { glass }),
+        Bsdf::RoughDielectric(RoughDielectric { glass, facets: long }),
+        Bsdf::RoughDielectric(RoughDielectric { glass, facets: short }),
+        Bsdf::ThinDielectric(ThinDielectric { glass, transmittance: gray }),
+        Bsdf::Glossy(Over { lobe: glossy, base }),
+        Bsdf::Phong(Over { lobe: phong, base }),
+        Bsdf::Jitter(Over { lobe: Jitter { reflectance: gray, exponent: 20.0 }, base }),
+        Bsdf::Glazed(Coat::new(FresnelModel::Exact, 1.5).over(gray)),
+        Bsdf::Schlick(Schlick::new(gray, 0.5, 0.5)),
+    ]
+}
+
+/// Runs them all at one width.
+pub(crate) fn everything(level: Level, lights: &[(&'static str, Light)]) -> f32 {
+    level.run(Everything { lobes: &lobes(), lights })
+}
