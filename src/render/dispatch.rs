@@ -22,25 +22,8 @@ use std::thread;
 ///
 /// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
 pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
-    let window = window(scene, settings)?;
-    let threads =
-        settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|i| format!("render {i}"))
-        .build()
-        .map_err(|error| Error::Backend { backend: "threads", what: error.to_string() })?;
-    let seed = scene.render.seed;
-    let plan = Plan {
-        scene,
-        window,
-        filter: filter(&scene.film),
-        sampler: sampler(&scene.render),
-        #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
-        seed: (seed ^ (seed >> 32)) as u32,
-        moves: scene.is_moving(),
-        progress,
-    };
+    let plan = plan(scene, settings, progress)?;
+    let (threads, pool) = pool(settings)?;
     let (mut rendered, build) = match scene.render.backend {
         description::Backend::Embree => {
             let (accel, build) = Phase::of(|| embree(scene, threads, progress));
@@ -63,6 +46,48 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
     rendered.statistics.build = build;
     rendered.statistics.threads = threads;
     Ok(rendered)
+}
+
+/// Renders a scene with something that finds hits in its world, whatever backend the scene names.
+///
+/// Fails as [`render`] does.
+pub fn render_on<A: Accel>(
+    scene: &Scene,
+    settings: &Settings,
+    accel: &A,
+    progress: &dyn Progress,
+) -> Result<Rendered> {
+    let plan = plan(scene, settings, progress)?;
+    let (threads, pool) = pool(settings)?;
+    let mut rendered = pool.install(|| with_accel(&plan, accel))?;
+    rendered.statistics.threads = threads;
+    Ok(rendered)
+}
+
+fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -> Result<Plan<'a>> {
+    let seed = scene.render.seed;
+    Ok(Plan {
+        scene,
+        window: window(scene, settings)?,
+        filter: filter(&scene.film),
+        sampler: sampler(&scene.render),
+        #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
+        seed: (seed ^ (seed >> 32)) as u32,
+        moves: scene.is_moving(),
+        progress,
+    })
+}
+
+/// Threads that render, and how many.
+fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
+    let threads =
+        settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .thread_name(|i| format!("render {i}"))
+        .build()
+        .map_err(|error| Error::Backend { backend: "threads", what: error.to_string() })?;
+    Ok((threads, pool))
 }
 
 fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {

@@ -10,6 +10,6 @@ mod query;
 mod samples;
 mod tiles;
 
-pub use dispatch::render;
+pub use dispatch::{render, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use query::{Chosen, query};

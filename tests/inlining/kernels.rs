@@ -137,7 +137,7 @@ impl<S: Isa> Kernel<S> for Everything<'_> {
             let [u, v, w] = numbers(isa, kind, [isa.iota(), isa.splat_u32(3)], isa.splat_u32(5));
             sum = sum + u * v + w;
         }
-        let question = Question { wo, light, light_pdf: x, choice: x, direction: [x, c] };
+        let question = Question { wo, light, light_pdf: x, choice: x, direction: [x, c], last: false };
         for lobe in self.lobes {
             let lobe = lobe.spread(x);
             let (told, asked) =
