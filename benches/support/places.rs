@@ -1,0 +1,83 @@
+//! Scenes that engines are compared on: those of this repository, pictures that other renderers have, a landscape and a building.
+
+#![allow(dead_code, reason = "each bench uses a part")]
+
+use crate::peers;
+use crate::terrain;
+use specula::error::Result;
+use specula::scene::{self, Scene};
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+/// A scene by the text of its file.
+pub(crate) fn of_text(text: &str) -> Result<Scene> {
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("scene.toml");
+    std::fs::write(&file, text)?;
+    Ok(scene::build(&scene::load(&file, &[])?.description)?.scene)
+}
+
+/// A scene of `scenes/` with some keys set.
+pub(crate) fn of_file(name: &str, keys: &[&str]) -> Result<Scene> {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    let keys: Vec<String> = keys.iter().map(|&key| key.to_owned()).collect();
+    Ok(scene::build(&scene::load(&file, &keys)?.description)?.scene)
+}
+
+/// A picture that other renderers have, with a table `render`; `None`, with a printed line, where the data is absent.
+pub(crate) fn peer(name: &str, render: &str, size: u32) -> Result<Option<Scene>> {
+    let Some(folder) = peers::folder() else { return Ok(None) };
+    of_text(&peers::scene_file(&folder, name, render, size)).map(Some)
+}
+
+/// A landscape of `2 * cells * cells` matt triangles under sun and sky, with a table `render` and `size` by `size` pixels.
+pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene> {
+    let folder = tempfile::tempdir()?;
+    let mesh = terrain::terrain(cells);
+    let mut obj = String::new();
+    for p in mesh.positions().iter() {
+        writeln!(obj, "v {} {} {}", p.x, p.y, p.z).expect("memory");
+    }
+    for t in mesh.triangles().iter() {
+        let [a, b, c] = t.map(|i| i + 1);
+        writeln!(obj, "f {a} {b} {c}").expect("memory");
+    }
+    std::fs::write(folder.path().join("terrain.obj"), obj)?;
+    let (eye, at) = terrain::view();
+    let text = format!(
+        "[camera]\nfrom = {:?}\nat = {:?}\nvfov_deg = 50.0\n[film]\nwidth = {size}\nheight = {size}\n\
+         filter = \"box\"\n[render]\n{render}\n[materials.rock]\ntype = \"diffuse\"\nreflectance = 0.6\n\
+         [[shapes]]\ntype = \"mesh\"\nfile = \"terrain.obj\"\nnormals = \"flat\"\nmaterial = \"rock\"\n\
+         [[lights]]\ntype = \"directional\"\ndirection = [1.0, -0.6, -0.4]\nirradiance = 3.0\n\
+         [[lights]]\ntype = \"environment\"\nradiance = [0.3, 0.4, 0.6]\n",
+        eye.to_array(),
+        at.to_array(),
+    );
+    let file = folder.path().join("scene.toml");
+    std::fs::write(&file, text)?;
+    Ok(scene::build(&scene::load(&file, &[])?.description)?.scene)
+}
+
+/// A furnished room of 270 000 triangles, all matt, lit through its windows; `None`, with a printed line, where its files are
+/// absent.
+pub(crate) fn interior(render: &str, size: u32) -> Result<Option<Scene>> {
+    let data = std::env::var_os("SPECULA_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let Ok(folder) = data.join("scenes/dining-room/models").read_dir() else {
+        println!("dining room: skipped, its files are not here");
+        return Ok(None);
+    };
+    let files = folder.filter_map(|entry| Some(entry.ok()?.path()));
+    let mut files: Vec<_> = files.filter(|file| file.extension().is_some_and(|ext| ext == "obj")).collect();
+    files.sort();
+    let mut text = format!(
+        "[camera]\nfrom = [-0.587317, 2.7623, 9.71429]\nat = [-0.574259, 2.698437, 8.716417]\n\
+         vfov_deg = 36.0\n[film]\nwidth = {size}\nheight = {size}\nfilter = \"box\"\n[render]\n{render}\n\
+         [materials.matt]\ntype = \"diffuse\"\nreflectance = 0.6\n[[lights]]\ntype = \"directional\"\n\
+         direction = [-0.887, -0.289, -0.36]\nirradiance = 10.0\n[[lights]]\ntype = \"environment\"\nradiance = 1.0\n"
+    );
+    for file in files {
+        writeln!(text, "[[shapes]]\ntype = \"mesh\"\nfile = {file:?}\nmaterial = \"matt\"").expect("memory");
+    }
+    of_text(&text).map(Some)
+}
