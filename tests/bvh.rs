@@ -4,8 +4,6 @@
 #[path = "support/rays.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod rays;
-#[path = "support/verdict.rs"]
-mod verdict;
 #[path = "support/worlds.rs"]
 mod worlds;
 
@@ -13,11 +11,11 @@ use rays::{Aim, Part, Rng, about_unit, surface_point};
 use specula::accel::bvh::{Binary, BvhAccel, Hierarchy, Options, Preset, Wide};
 use specula::accel::embree::{BuildOptions, Config, EmbreeAccel, SceneOptions};
 use specula::accel::{Accel, Brute, Bvh2Accel, CwBvhAccel};
+use specula::bench::verdict::{Verdict, judge};
 use specula::geometry::{Hit, Ray, World};
 use specula::render::{Settings, Silent, render};
 use std::ops::ControlFlow;
 use std::sync::Arc;
-use verdict::{Verdict, judge};
 
 type Answers = (Vec<Option<Hit>>, Vec<bool>);
 
