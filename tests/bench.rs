@@ -134,6 +134,7 @@ fn json_holds_everything_that_was_raced() {
         let sum: u64 = Difference::ALL.map(|difference| of(difference.word())).iter().sum();
         assert_eq!(of("differ"), sum, "{entry:#}");
         assert_eq!([of("lost"), of("other"), of("unjudged")], [0; 3], "{entry:#}");
+        assert!(entry["first_wrong"].is_null(), "{entry:#}");
     }
 }
 

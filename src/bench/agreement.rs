@@ -4,7 +4,7 @@
 //! its own nearest hit does. Contested rays are traced by [`Brute`], which tests every primitive in double precision, and
 //! each answer is judged by [`verdict`](super::verdict). A mistake that all contestants and the witness share is not found.
 
-use super::query::{Chunk, Query, Tracer};
+use super::query::{CHUNK, Chunk, Query, Tracer};
 use super::verdict::{Verdict, is_at_boundary, judge};
 use crate::accel::Brute;
 use crate::geometry::{Hit, Ray, World};
@@ -60,6 +60,7 @@ impl Difference {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     counts: [u64; Difference::ALL.len()],
+    first_wrong: Option<u64>,
 }
 
 impl Tally {
@@ -75,9 +76,17 @@ impl Tally {
         self.counts.iter().sum()
     }
 
-    fn add(&mut self, difference: Option<Difference>) {
-        if let Some(difference) = difference {
-            self.counts[difference as usize] += 1;
+    /// The first ray of the class, counted from 0, that was answered wrong.
+    #[must_use]
+    pub fn first_wrong(&self) -> Option<u64> {
+        self.first_wrong
+    }
+
+    fn add(&mut self, difference: Option<Difference>, ray: usize) {
+        let Some(difference) = difference else { return };
+        self.counts[difference as usize] += 1;
+        if matches!(difference, Difference::Lost | Difference::Other) {
+            self.first_wrong = self.first_wrong.or(Some(ray as u64));
         }
     }
 }
@@ -104,7 +113,7 @@ pub(super) fn tally<E>(
 ) -> Result<Vec<[Tally; 2]>, E> {
     let mut tallies = vec![[Tally::default(); 2]; entries.len() - 1];
     let mut left = (MOST_TESTS / world.primitive_count().max(1)).max(16);
-    for chunk in chunks {
+    for (number, chunk) in chunks.iter().enumerate() {
         stop()?;
         let answers: Vec<Answers> = entries
             .par_iter()
@@ -119,10 +128,12 @@ pub(super) fn tally<E>(
         let found: Vec<Vec<[Option<Difference>; 2]>> =
             judged.par_iter().map(|&i| differences(world, brute, &chunk.single[i], &answers, i)).collect();
         let unknown = vec![[Some(Difference::Unjudged); 2]; tallies.len()];
-        for row in found.iter().chain(std::iter::repeat_n(&unknown, unjudged.len())) {
+        let rows = found.iter().chain(std::iter::repeat_n(&unknown, unjudged.len()));
+        for (row, i) in rows.zip(&contested) {
+            let ray = number * CHUNK + i;
             for (tally, [closest, any]) in tallies.iter_mut().zip(row) {
-                tally[0].add(*closest);
-                tally[1].add(*any);
+                tally[0].add(*closest, ray);
+                tally[1].add(*any, ray);
             }
         }
     }
@@ -261,6 +272,7 @@ mod tests {
         assert_eq!((closest.total(), any.total()), (0, 0), "honest where nothing is to be lost");
         let [closest, any] = tally_of(&liar, &world, &[[0.5, 0.2], [0.2, 0.5], [0.3, 3.0]]);
         assert_eq!((closest.of(Difference::Lost), closest.of(Difference::Other)), (2, 1), "{closest:?}");
+        assert_eq!((closest.first_wrong(), any.first_wrong()), (Some(0), Some(0)), "the first ray");
         assert_eq!((any.of(Difference::Lost), any.of(Difference::Other)), (2, 1), "{any:?}");
         // On the diagonal half way, and on the rim: whoever misses there does so within rounding.
         let [closest, _] = tally_of(&liar, &world, &[[1.0, 0.25]]);

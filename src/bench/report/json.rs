@@ -129,6 +129,7 @@ fn agreement(outcome: &Outcome, agreement: &Agreement) -> Value {
     entry["hits"] = agreement.mode.word().into();
     entry["rays"] = outcome.fields[agreement.field].rays.into();
     entry["differ"] = agreement.tally.total().into();
+    entry["first_wrong"] = agreement.tally.first_wrong().into();
     for difference in Difference::ALL {
         entry[difference.word()] = agreement.tally.of(difference).into();
     }

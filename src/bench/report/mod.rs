@@ -31,7 +31,8 @@ const NOTES: [&str; 4] = [
     "`closest` asks for the nearest hit, `any` whether there is one. bvh2 and cwbvh trace packets and streams ray by ray; \
      hints of coherence are for Embree.",
     "Answers: of contested rays the truth is found by testing every primitive. shared_edge, id_tie and epsilon are within \
-     rounding; lost_at_edge leaks within rounding of an edge; lost and other are wrong.",
+     rounding; lost_at_edge leaks within rounding of an edge; lost and other are wrong, the first of them named by its class \
+     and its number from 0.",
     "Ratios of one run compare; rates of different runs or machines do not.",
 ];
 

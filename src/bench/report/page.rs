@@ -238,13 +238,14 @@ fn differing(outcome: &Outcome, mode: Mode) -> Markup {
     html! {
         @if rows.is_empty() { p { "None." } } @else {
             table {
-                tr { th { "contestant, query" } th { "class" } th { "rays" } @for difference in Difference::ALL { th { (difference.word()) } } }
+                tr { th { "contestant, query" } th { "class" } th { "rays" } @for difference in Difference::ALL { th { (difference.word()) } } th { "first wrong" } }
                 @for (way, it) in &rows {
                     tr {
                         td { (name(outcome, *way)) }
                         td { (outcome.fields[it.field].class) }
                         td { (outcome.fields[it.field].rays) }
                         @for difference in Difference::ALL { td { (it.tally.of(difference)) } }
+                        td { @if let Some(ray) = it.tally.first_wrong() { (ray) } }
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! Plots as SVG: bars with their spread, and points over two logarithmic axes.
+//! Plots as SVG: bars with their spread, and points with names.
 
 use crate::bench::race::Spread;
 use plotters::prelude::*;
@@ -25,7 +25,7 @@ pub(super) struct Point {
 const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
 
-const WIDTH: u32 = 760;
+const WIDTH: u32 = 800;
 const FONT: (&str, u32) = ("sans-serif", 13);
 
 fn colour(family: usize) -> RGBColor {
@@ -68,7 +68,7 @@ pub(super) fn bars(axis: &str, bars: &[Bar]) -> String {
             .margin(4)
             .margin_right(16)
             .x_label_area_size(40)
-            .y_label_area_size(210)
+            .y_label_area_size(300)
             .build_cartesian_2d(0.0..most, (0..count).into_segmented())
             .map_err(|e| e.to_string())?;
         // The axis goes up.
@@ -107,14 +107,13 @@ pub(super) fn bars(axis: &str, bars: &[Bar]) -> String {
     })
 }
 
-/// Points with names. Both axes are logarithmic; points that are not positive are left out.
+/// Points with names, the first axis logarithmic; points that are not positive are left out.
 pub(super) fn scatter([x_axis, y_axis]: [&str; 2], points: &[Point]) -> String {
     let points: Vec<&Point> = points.iter().filter(|point| point.at.iter().all(|x| *x > 0.0)).collect();
-    let range = |axis: usize| {
-        let ends = points.iter().map(|point| point.at[axis]);
-        let (least, most) = ends.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
-        if least < most { least / 1.4..most * 1.4 } else { least * 0.5..least * 2.0 }
-    };
+    let ends = points.iter().map(|point| point.at[0]);
+    let (least, most) = ends.fold((f64::INFINITY, 0.0_f64), |(a, b), x| (a.min(x), b.max(x)));
+    let across = least / 1.4..most * 1.4;
+    let highest = points.iter().map(|point| point.at[1]).fold(0.0, f64::max);
     if points.is_empty() {
         return String::new();
     }
@@ -124,11 +123,13 @@ pub(super) fn scatter([x_axis, y_axis]: [&str; 2], points: &[Point]) -> String {
             .margin_right(120)
             .x_label_area_size(40)
             .y_label_area_size(60)
-            .build_cartesian_2d(range(0).log_scale(), range(1).log_scale())
+            .build_cartesian_2d(across.log_scale(), 0.0..highest * 1.1)
             .map_err(|e| e.to_string())?;
         chart
             .configure_mesh()
             .label_style(FONT)
+            // Multiples of powers of ten come with the rounding of their products.
+            .x_label_formatter(&|x| format!("{:.3}", x).trim_end_matches('0').to_owned())
             .x_desc(x_axis)
             .y_desc(y_axis)
             .draw()

@@ -137,15 +137,18 @@ fn cell(rate: &Rate) -> String {
 fn differing(outcome: &Outcome, mode: Mode) -> String {
     let title = format!("{} hits, answers", mode.word());
     let heading = [title.as_str(), "rays"].into_iter().chain(Difference::ALL.map(Difference::word));
-    let mut grid = Grid::new(heading);
+    let mut grid = Grid::new(heading.chain(["first wrong"]));
     let rays: usize = outcome.fields.iter().map(|field| field.rays).sum();
     let all = ways(outcome);
     for &way in &all {
         let of = |difference| agreements(outcome, way, mode).map(|it| it.tally.of(difference)).sum::<u64>();
         let counts = Difference::ALL.map(of);
+        let first = agreements(outcome, way, mode).find_map(|it| Some((it.field, it.tally.first_wrong()?)));
+        let first = first.map(|(field, ray)| format!("{} {ray}", outcome.fields[field].class));
         if counts.iter().any(|&count| count > 0) {
             let counts = counts.iter().map(u64::to_string);
-            grid.0.push([name(outcome, way), rays.to_string()].into_iter().chain(counts).collect());
+            let row = [name(outcome, way), rays.to_string()].into_iter().chain(counts).chain(first);
+            grid.0.push(row.collect());
         }
     }
     let agreeing = all.len() + 1 - grid.0.len();
