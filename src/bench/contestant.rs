@@ -111,7 +111,9 @@ impl Contestant {
     #[must_use]
     pub fn queries(&self) -> &'static [Query] {
         let all = match self {
-            Self::Embree(options) => options.quality == Quality::Medium,
+            Self::Embree(SceneOptions { quality, robust, compact, .. }) => {
+                *quality == Quality::Medium && !(*robust && *compact)
+            }
             Self::Bvh2(preset) | Self::CwBvh(preset) => *preset == Preset::default(),
             Self::Brute => false,
         };

@@ -5,7 +5,7 @@
 //! [`Class`], and whose answers differ and why ([`agreement`], judged by [`verdict`]). An [`Outcome`] is all that was found
 //! of a scene; a [`Report`] shows outcomes as text, JSON and a page.
 //!
-//! Fairness: contestants run in turn within each pass ([`race`]), on warm caches, and their speed is told in time of the
+//! Fairness: contestants run in turn within each pass ([`race`]), each on caches that its own pass has warmed, and their speed is told in time of the
 //! processor, which other programs disturb less than the clock.
 
 pub mod agreement;

@@ -273,8 +273,8 @@ impl Race<'_> {
             let Runner { building, query, workers } = runners[turn];
             let (tracer, workers) = (&*self.built[building].tracer, &self.workers[workers]);
             let work = |i: usize, scratch: &mut _| tracer.pass(query, mode, &chunks[i], scratch);
-            // Others have filled the caches meanwhile: a sixteenth of the rays goes first.
-            let phase = workers.time(chunks.len().div_ceil(16), chunks.len(), &work);
+            // Others have filled the caches meanwhile; whoever follows one with the same hierarchy would find them warm.
+            let phase = workers.time(chunks.len(), chunks.len(), &work);
             self.done += rays;
             self.watch.progress.advance(self.done, self.total);
             self.watch.check().map(|()| phase)

@@ -26,7 +26,7 @@ pub struct Report {
 
 /// What every number means, under every table.
 const NOTES: [&str; 4] = [
-    "Rates are medians over passes, +- half the distance of the quartiles; on one thread in million rays per second of CPU, on \
+    "Rates are medians over passes, each after an untimed one, +- half the distance of the quartiles; on one thread in million rays per second of CPU, on \
      more in million rays per second by the clock, with the factor over one thread.",
     "`closest` asks for the nearest hit, `any` whether there is one. bvh2 and cwbvh trace packets and streams ray by ray; \
      hints of coherence are for Embree.",
