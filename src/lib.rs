@@ -28,9 +28,10 @@
 //! ```
 //!
 //! Whoever wants pictures goes on to [`scene::load()`], [`scene::build()`] and [`render::render`]; whoever wants to know
-//! how good they are, to [`measure::Comparison`].
+//! how good they are, to [`measure::Comparison`]; whoever chooses a backend, to [`bench::Track`].
 
 pub mod accel;
+pub mod bench;
 pub mod bsdf;
 pub mod camera;
 pub mod cli;

@@ -3,7 +3,7 @@
 //! Rays are aimed at edges and corners, along surfaces and from far away on purpose, where single precision cannot but
 //! answer otherwise than the oracle now and then. An answer is therefore wrong only if the oracle gives it for no ray
 //! within rounding of the one asked for; none may be. What differs otherwise is counted by its reason
-//! (`support/verdict.rs`); `SPECULA_RECORD=1` writes the table to `benches/record/agreement.csv`.
+//! (`src/bench/verdict.rs`); `SPECULA_RECORD=1` writes the table to `benches/record/agreement.csv`.
 
 #![expect(clippy::print_stdout, reason = "tables of what was found")]
 
@@ -13,8 +13,6 @@ mod ask;
 mod queries;
 #[path = "support/rays.rs"]
 mod rays;
-#[path = "support/verdict.rs"]
-mod verdict;
 #[path = "support/worlds.rs"]
 mod worlds;
 
@@ -22,10 +20,10 @@ use ask::backends;
 use queries::Answers;
 use rays::Aim;
 use specula::accel::{Accel, Brute};
+use specula::bench::verdict::{Verdict, deviation, judge};
 use specula::geometry::{Hit, Ray, World};
 use std::fmt::Write as _;
 use std::sync::Arc;
-use verdict::{Verdict, deviation, judge};
 use worlds::worlds;
 
 const RAYS_PER_AIM: usize = 1_000;

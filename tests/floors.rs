@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lowest first.
-const FLOORS: [&str; 17] = [
+const FLOORS: [&str; 18] = [
     "math",
     "error",
     "image",
@@ -22,6 +22,7 @@ const FLOORS: [&str; 17] = [
     "integrator",
     "render",
     "measure",
+    "bench",
     "cli",
 ];
 

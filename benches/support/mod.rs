@@ -1,8 +1,7 @@
-//! A small harness that compares ways of doing the same thing by their CPU time.
+//! Races of ways of doing the same thing by their CPU time, printed and recorded.
 //!
-//! The contestants of a [`Race`] run in turn, there and back, pass after pass, in one process, so that what disturbs the
-//! machine disturbs them alike. Compared are ratios within a pass, to the first contestant of the race; reported are the
-//! median over the passes and the spread, half the distance between the quartiles. Absolute rates are of this machine
+//! The contestants of a [`Race`] run in turn (`specula::bench::race`), in one process. Compared are ratios within a pass, to the
+//! first contestant of the race; reported are the median over the passes and the spread. Absolute rates are of this machine
 //! on that day.
 //!
 //! Arguments: `--record` also writes `benches/record/<bench>.csv`; a word restricts the races to those whose name
@@ -11,6 +10,9 @@
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
 use cpu_time::ProcessTime;
+use specula::bench::machine::Machine;
+use specula::bench::race::{Spread, interleave};
+use std::convert::Infallible;
 use std::fmt::Write as _;
 use std::hint::black_box;
 use std::path::Path;
@@ -83,25 +85,16 @@ impl Bench {
         if !self.wants(&race.name) {
             return;
         }
-        let mut seconds = vec![Vec::new(); race.contestants.len()];
-        for pass in 0..=self.passes {
-            let count = race.contestants.len();
-            // There and back again, so that none always runs first.
-            for turn in 0..count {
-                let turn = if pass % 2 == 0 { turn } else { count - 1 - turn };
-                let start = ProcessTime::now();
-                black_box((race.contestants[turn].pass)());
-                let spent = start.elapsed().as_secs_f64();
-                if pass > 0 {
-                    seconds[turn].push(spent);
-                }
-            }
-        }
+        let Ok(seconds) = interleave(race.contestants.len(), self.passes, |turn| {
+            let start = ProcessTime::now();
+            black_box((race.contestants[turn].pass)());
+            Ok::<_, Infallible>(start.elapsed().as_secs_f64())
+        });
         println!("\n{} ({} {})", race.name, race.items, race.unit);
         for (Contestant { name, figures, .. }, times) in race.contestants.into_iter().zip(&seconds) {
-            let ratios = seconds[0].iter().zip(times).map(|(first, own)| first / own).collect();
-            let (ratio, ratio_spread) = median_and_spread(ratios);
-            let items_per_s = race.items as f64 / median_and_spread(times.clone()).0;
+            let ratios = seconds[0].iter().zip(times).map(|(first, own)| first / own);
+            let Spread { median: ratio, half_iqr: ratio_spread } = Spread::of(ratios);
+            let items_per_s = race.items as f64 / Spread::of(times.iter().copied()).median;
             print!("  {name:32} {:9.3} M/s   x {ratio:.3} +- {ratio_spread:.3}", items_per_s * 1e-6);
             for (what, figure) in figures.iter().filter_map(|(what, figure)| Some((what, (*figure)?))) {
                 print!("   {what} {figure:.2e}");
@@ -117,10 +110,11 @@ impl Bench {
         if !self.record {
             return Ok(());
         }
+        let machine = Machine::here();
         let mut text = String::from("# ");
         text += &[
-            format!("machine: {}", processor()),
-            format!("rustc: {}", said("rustc", &["--version"])),
+            format!("machine: {}", machine.name()),
+            format!("rustc: {}", machine.build.rustc),
             format!("commit: {}", said("git", &["describe", "--always", "--dirty"])),
             format!("date: {}", said("date", &["-u", "+%F"])),
             format!("passes: {}", self.passes),
@@ -168,21 +162,6 @@ impl<'a> Race<'a> {
         self.contestants.last_mut().expect("a contestant").figures = figures;
         self
     }
-}
-
-/// The median, and half the distance between the quartiles.
-fn median_and_spread(mut values: Vec<f64>) -> (f64, f64) {
-    values.sort_by(f64::total_cmp);
-    let at = |part: usize| values[(values.len() - 1) * part / 4];
-    (at(2), (at(3) - at(1)) * 0.5)
-}
-
-/// The processor's name and the number of processors.
-fn processor() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split(": ").nth(1));
-    let count = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    format!("{} x {count}", model.unwrap_or(std::env::consts::ARCH))
 }
 
 /// What a command prints, on one line; nothing if there is no such command.

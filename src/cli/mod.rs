@@ -5,6 +5,7 @@
 //! the same checks, the same messages.
 
 mod args;
+mod bench;
 mod diff;
 mod documents;
 mod interrupt;
@@ -24,7 +25,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs, RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs,
+    RenderArgs,
 };
 
 use crate::error::{Error, Result};
@@ -44,6 +46,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Diff(args) => diff::run(&args),
+        Command::Bench(args) => bench::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),
         Command::Man(args) => documents::man(args.dir.as_deref()),

@@ -1,5 +1,9 @@
 //! The command line as meant: checked, with defaults resolved.
 
+mod bench;
+
+pub(super) use bench::BenchOptions;
+
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 

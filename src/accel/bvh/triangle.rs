@@ -3,13 +3,14 @@
 //! The corners are sheared so that the ray runs along one axis, and three areas say on which side of each edge it passes
 //! (Woop, Benthin, Wald 2013, Watertight Ray/Triangle Intersection). Neighbours see a shared edge with the same corners and
 //! so with the same area but for its sign: no ray slips between them. Where an area is zero, double precision, in which
-//! products are exact, decides.
+//! products are exact, decides. It also says where a triangle is met: areas of long thin ones are differences of large products,
+//! and in single precision a ray would meet what it has just left.
 //!
 //! One row per axis holds that coordinate of all three corners: choosing the axes by the ray is choosing rows, and the
 //! three areas are one product of vectors.
 
 use super::frame::Way;
-use glam::{Vec3, Vec3A, Vec3Swizzles};
+use glam::{DVec3, Vec3, Vec3A, Vec3Swizzles};
 
 /// Corners, a row per axis.
 #[derive(Clone, Copy, Debug)]
@@ -65,33 +66,31 @@ impl Corners {
         let z = self.0[az] - ray.o[2];
         let x = self.0[ax] - ray.o[0] - z * ray.slope[0];
         let y = self.0[ay] - ray.o[1] - z * ray.slope[1];
-        let mut areas = x.zxy() * y.yzx() - y.zxy() * x.yzx();
-        let signs = |areas: Vec3A| (areas.cmplt(Vec3A::ZERO).bitmask(), areas.cmpgt(Vec3A::ZERO).bitmask());
-        let (mut below, mut above) = signs(areas);
+        let areas = x.zxy() * y.yzx() - y.zxy() * x.yzx();
+        let (below, above) = (areas.cmplt(Vec3A::ZERO).bitmask(), areas.cmpgt(Vec3A::ZERO).bitmask());
         if below != 0 && above != 0 {
             return None;
         }
-        if below | above != 7 {
-            areas = exact(x, y);
-            (below, above) = signs(areas);
-            if below != 0 && above != 0 {
-                return None;
-            }
+        let areas = exact(x, y);
+        if below | above != 7 && areas.cmplt(DVec3::ZERO).any() && areas.cmpgt(DVec3::ZERO).any() {
+            return None;
         }
-        let total = areas.x + areas.y + areas.z;
+        let total = areas.element_sum();
         if total == 0.0 {
             return None;
         }
-        let inverse = 1.0 / total;
-        Some(Met { t: areas.dot(z) * ray.advance * inverse, u: areas.y * inverse, v: areas.z * inverse })
+        let weights = areas / total;
+        #[expect(clippy::cast_possible_truncation, reason = "computed in double precision, told in single")]
+        let [z, u, v] =
+            [weights.dot(Vec3::from(z).as_dvec3()), weights.y, weights.z].map(|value| value as f32);
+        Some(Met { t: z * ray.advance, u, v })
     }
 }
 
 /// The areas without cancellation.
-#[cold]
-fn exact(x: Vec3A, y: Vec3A) -> Vec3A {
+fn exact(x: Vec3A, y: Vec3A) -> DVec3 {
     let (x, y) = (Vec3::from(x).as_dvec3(), Vec3::from(y).as_dvec3());
-    (x.zxy() * y.yzx() - y.zxy() * x.yzx()).as_vec3a()
+    x.zxy() * y.yzx() - y.zxy() * x.yzx()
 }
 
 impl Shear {

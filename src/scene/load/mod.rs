@@ -21,7 +21,7 @@ mod references;
 pub(crate) mod report;
 mod source;
 pub(crate) mod value;
-mod words;
+pub(crate) mod words;
 
 use crate::error::{Problem, Result};
 use crate::math::Rgb;

@@ -4,16 +4,15 @@
 //! judged by itself: the point it names must lie on the primitive it names and on the ray, and what it passed over
 //! must have been met within rounding of its boundary. Otherwise it is wrong.
 
-#![allow(dead_code, reason = "each test program uses a part")]
 #![expect(clippy::cast_possible_truncation, reason = "computed in double precision, used in single")]
 
+use crate::accel::{Accel, Brute};
+use crate::geometry::{Hit, Ray, Shape, ShapeHit, World};
 use glam::Vec3;
-use specula::accel::{Accel, Brute};
-use specula::geometry::{Hit, Ray, Shape, ShapeHit, World};
 
 /// What an answer is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub(crate) enum Verdict {
+pub enum Verdict {
     /// The oracle's own primitive, or a miss where it misses.
     Same,
     /// Another primitive at the same distance: an edge that two share, or surfaces that touch.
@@ -31,23 +30,20 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    pub(crate) const ALL: [Self; 7] =
+    /// All of them, in the order of their numbers.
+    pub const ALL: [Self; 7] =
         [Self::Same, Self::Tie, Self::Extra, Self::Edge, Self::Rim, Self::Range, Self::Wrong];
 
     /// Whether light would pass where it should not.
-    pub(crate) fn is_leak(self) -> bool {
+    #[must_use]
+    pub fn is_leak(self) -> bool {
         matches!(self, Self::Edge | Self::Rim)
     }
 }
 
 /// Judges an answer, given the oracle's.
-pub(crate) fn judge(
-    world: &World,
-    brute: &Brute,
-    ray: &Ray,
-    oracle: Option<&Hit>,
-    found: Option<&Hit>,
-) -> Verdict {
+#[must_use]
+pub fn judge(world: &World, brute: &Brute, ray: &Ray, oracle: Option<&Hit>, found: Option<&Hit>) -> Verdict {
     let identity = |hit: &Hit| (hit.placement, hit.prim);
     if found.is_some_and(|hit| !Met::new(world, ray, hit).is_consistent()) {
         return Verdict::Wrong;
@@ -77,8 +73,15 @@ pub(crate) fn judge(
     verdict
 }
 
+/// Whether a ray within rounding of this one misses the primitive that `hit` names: it lies at an edge or a rim.
+#[must_use]
+pub fn is_at_boundary(world: &World, ray: &Ray, hit: &Hit) -> bool {
+    matches!(Met::new(world, ray, hit).boundary(), Some(Verdict::Edge | Verdict::Rim))
+}
+
 /// How far two hits on one primitive lie apart along its normal, in parts of the coordinates between which the ray runs.
-pub(crate) fn deviation(ray: &Ray, found: &Hit, oracle: &Hit) -> f32 {
+#[must_use]
+pub fn deviation(ray: &Ray, found: &Hit, oracle: &Hit) -> f32 {
     let cos = ray.d.normalize().dot(oracle.ng.normalize_or_zero()).abs();
     let scale = ray.o.length() + ray.at(oracle.t).length();
     (found.t - oracle.t).abs() * ray.d.length() * cos / scale
