@@ -8,8 +8,6 @@
 
 #[path = "../tests/support/peers.rs"]
 mod peers;
-#[path = "support/pictures.rs"]
-mod pictures;
 #[path = "support/places.rs"]
 mod places;
 #[path = "support/mod.rs"]
@@ -17,11 +15,13 @@ mod support;
 #[path = "support/terrain.rs"]
 mod terrain;
 
-use pictures::rendered;
-use specula::error::Result;
-use specula::render::{Chosen, query};
+use specula::accel::embree::{BuildOptions, EmbreeAccel};
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+use specula::render::{Chosen, Settings, Silent, query, render_on};
 use specula::scene::Scene;
 use specula::scene::description::Query;
+use std::cell::RefCell;
+use std::num::NonZeroUsize;
 use support::{Bench, Race};
 
 /// How little slower than the fastest the way that is chosen may be.
@@ -29,26 +29,28 @@ const CLOSE: f64 = 0.97;
 
 fn main() -> Result<()> {
     let mut bench = Bench::new("engines");
-    let mut good = 0;
-    let mut count = 0;
-    for (name, place) in cases() {
-        if !bench.wants(&name) {
+    let (mut good, mut count) = (0, 0);
+    for (name, place) in CASES {
+        if !bench.wants(name) {
             continue;
         }
-        let Some(mut scene) = place()? else { continue };
+        let Some(scene) = place()? else { continue };
         let Chosen { query: chosen, .. } = query(&scene);
-        let scenes = Query::ALL.map(|query| {
-            scene.render.query = Some(query);
-            (query, scene_with(&scene, query))
-        });
+        let accel = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
         let samples = scene.film.width as usize * scene.film.height as usize * scene.render.spp as usize;
-        let mut race = Race::new(name.clone(), samples, "samples");
-        for (query, pass) in &scenes {
-            race = race.with(query.word(), pass);
+        let scene = RefCell::new(scene);
+        let pass = |query| {
+            scene.borrow_mut().render.query = Some(query);
+            let settings = Settings { threads: NonZeroUsize::new(1), crop: None };
+            render_on(&scene.borrow(), &settings, &accel, &Silent).map_or(0, |it| it.statistics.samples)
+        };
+        let mut race = Race::new(name, samples, "samples");
+        for &query in Query::ALL {
+            race = race.with(query.word(), move || pass(query));
         }
-        let ratios = bench.run(race);
-        let best = ratios.iter().copied().fold(0.0, f64::max);
-        let own = scenes.iter().position(|(query, _)| *query == chosen).map_or(0.0, |i| ratios[i]);
+        let speeds = bench.run(race);
+        let best = speeds.iter().copied().fold(0.0, f64::max);
+        let own = Query::ALL.iter().position(|&query| query == chosen).map_or(0.0, |i| speeds[i]);
         println!("  taken: {}, {:.3} of the fastest", chosen.word(), own / best);
         count += 1;
         good += usize::from(own >= CLOSE * best);
@@ -56,4 +58,28 @@ fn main() -> Result<()> {
     println!("\nthe way taken is within 3 % of the fastest in {good} of {count} cases");
     bench.finish()?;
     Ok(())
+}
+
+/// Pictures by name; `None` where a file is absent.
+type Case = (&'static str, fn() -> Result<Option<Scene>>);
+
+const CASES: [Case; 10] = [
+    ("closed box, paths", || places::peer("cornell", PATHS, 64)),
+    ("glossy balls, paths", || places::peer("glossyrow", PATHS, 96)),
+    ("landscape of 1 M triangles, paths", || places::landscape(708, PATHS, 64).map(Some)),
+    ("furnished room, paths", || places::interior(PATHS, 64)),
+    ("shapes, paths", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
+    ("hello, tree", || file("hello", &[])),
+    ("soft shadows, distribution", || file("soft_shadows", &[])),
+    ("glossy row, tree", || file("glossy_row", &[])),
+    ("mirrors, tree", || file("mirrors", &[])),
+    ("landscape of 1 M triangles, tree", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
+];
+
+const PATHS: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
+
+/// A scene of this repository, small.
+fn file(name: &str, keys: &[&str]) -> Result<Option<Scene>> {
+    let size = ["film.width=96", "film.height=54", "render.spp=16"];
+    places::of_file(name, &[&size, keys].concat()).map(Some)
 }

@@ -80,10 +80,11 @@ impl Bench {
         self.filter.as_ref().is_none_or(|word| race.contains(word))
     }
 
-    /// Runs a race and prints its table.
-    pub(crate) fn run(&mut self, mut race: Race<'_>) {
+    /// Runs a race and prints its table. Speeds relative to the first contestant; none if the race is not wanted.
+    pub(crate) fn run(&mut self, mut race: Race<'_>) -> Vec<f64> {
+        let mut speeds = Vec::new();
         if !self.wants(&race.name) {
-            return;
+            return speeds;
         }
         let Ok(seconds) = interleave(race.contestants.len(), self.passes, |turn| {
             let start = ProcessTime::now();
@@ -102,7 +103,9 @@ impl Bench {
             println!();
             let (race, contestant, unit) = (race.name.clone(), name, race.unit);
             self.rows.push(Row { race, contestant, unit, items_per_s, ratio, ratio_spread, figures });
+            speeds.push(ratio);
         }
+        speeds
     }
 
     /// Writes the record, if asked for.

@@ -4,13 +4,13 @@
 
 use crate::peers;
 use crate::terrain;
-use specula::error::Result;
+use std::error::Error;
 use specula::scene::{self, Scene};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// A scene by the text of its file.
-pub(crate) fn of_text(text: &str) -> Result<Scene> {
+pub(crate) fn of_text(text: &str) -> Result<Scene, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let file = folder.path().join("scene.toml");
     std::fs::write(&file, text)?;
@@ -18,20 +18,20 @@ pub(crate) fn of_text(text: &str) -> Result<Scene> {
 }
 
 /// A scene of `scenes/` with some keys set.
-pub(crate) fn of_file(name: &str, keys: &[&str]) -> Result<Scene> {
+pub(crate) fn of_file(name: &str, keys: &[&str]) -> Result<Scene, Box<dyn Error>> {
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
     let keys: Vec<String> = keys.iter().map(|&key| key.to_owned()).collect();
     Ok(scene::build(&scene::load(&file, &keys)?.description)?.scene)
 }
 
 /// A picture that other renderers have, with a table `render`; `None`, with a printed line, where the data is absent.
-pub(crate) fn peer(name: &str, render: &str, size: u32) -> Result<Option<Scene>> {
+pub(crate) fn peer(name: &str, render: &str, size: u32) -> Result<Option<Scene>, Box<dyn Error>> {
     let Some(folder) = peers::folder() else { return Ok(None) };
     of_text(&peers::scene_file(&folder, name, render, size)).map(Some)
 }
 
 /// A landscape of `2 * cells * cells` matt triangles under sun and sky, with a table `render` and `size` by `size` pixels.
-pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene> {
+pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene, Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     let mesh = terrain::terrain(cells);
     let mut obj = String::new();
@@ -60,7 +60,7 @@ pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene> {
 
 /// A furnished room of 270 000 triangles, all matt, lit through its windows; `None`, with a printed line, where its files are
 /// absent.
-pub(crate) fn interior(render: &str, size: u32) -> Result<Option<Scene>> {
+pub(crate) fn interior(render: &str, size: u32) -> Result<Option<Scene>, Box<dyn Error>> {
     let data = std::env::var_os("SPECULA_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
     let Ok(folder) = data.join("scenes/dining-room/models").read_dir() else {
