@@ -66,8 +66,8 @@ type Case = (&'static str, fn() -> Result<Option<Scene>>);
 const CASES: [Case; 10] = [
     ("closed box, paths", || places::peer("cornell", PATHS, 64)),
     ("glossy balls, paths", || places::peer("glossyrow", PATHS, 96)),
-    ("landscape of 1 M triangles, paths", || places::landscape(708, PATHS, 64).map(Some)),
-    ("furnished room, paths", || places::interior(PATHS, 64)),
+    ("landscape of 1 M triangles, paths", || places::landscape(708, FIVE, 64).map(Some)),
+    ("furnished room, paths", || places::interior(FIVE, 64)),
     ("shapes, paths", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
     ("hello, tree", || file("hello", &[])),
     ("soft shadows, distribution", || file("soft_shadows", &[])),
@@ -76,7 +76,10 @@ const CASES: [Case; 10] = [
     ("landscape of 1 M triangles, tree", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
 ];
 
-const PATHS: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
+/// Of scenes that bring their own depth.
+const PATHS: &str = "integrator = \"path\"\nspp = 16";
+
+const FIVE: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
 
 /// A scene of this repository, small.
 fn file(name: &str, keys: &[&str]) -> Result<Option<Scene>> {

@@ -4,8 +4,8 @@
 
 use crate::peers;
 use crate::terrain;
-use std::error::Error;
 use specula::scene::{self, Scene};
+use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
