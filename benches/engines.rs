@@ -41,7 +41,7 @@ fn main() -> Result<()> {
         let scene = RefCell::new(scene);
         let pass = |query| {
             scene.borrow_mut().render.query = Some(query);
-            let settings = Settings { threads: NonZeroUsize::new(1), crop: None };
+            let settings = Settings { threads: NonZeroUsize::new(1), ..Settings::default() };
             render_on(&scene.borrow(), &settings, &accel, &Silent).map_or(0, |it| it.statistics.samples)
         };
         let mut race = Race::new(name, samples, "samples");

@@ -195,7 +195,7 @@ const FIVE: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
 
 fn measure(name: &str, scene: &Scene, passes: usize, csv: &mut String) -> Result<()> {
     let embree = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
-    let settings = Settings { threads: NonZeroUsize::new(1), crop: None };
+    let settings = Settings { threads: NonZeroUsize::new(1), ..Settings::default() };
     let recorder = Recorder { embree: &embree, log: Mutex::default() };
     render_on(scene, &settings, &recorder, &Silent)?;
     let Log { camera, bounces, single, shadows } =

@@ -302,7 +302,7 @@ fn seen_in_lobe(exponent: f64, size: f64) -> f64 {
 }
 
 fn bits(scene: &Scene, threads: usize) -> Vec<Vec<u32>> {
-    let settings = Settings { threads: std::num::NonZeroUsize::new(threads), crop: None };
+    let settings = Settings { threads: std::num::NonZeroUsize::new(threads), ..Settings::default() };
     let film: Film = render(scene, &settings, &Silent).expect("a picture").film;
     assert_eq!(film.non_finite().count(), 0, "samples that are not finite");
     let all = film.layout().aovs().iter().filter_map(|&aov: &Aov| film.channels(aov)).flatten();

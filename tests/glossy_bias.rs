@@ -281,7 +281,7 @@ fn ball(exponent: f32, reflectance: f32, below: &str, (spp, rest): (u32, &str)) 
         radiance = 1.0
         {rest}"
     ));
-    let film = render(&scene, &Settings { threads: None, crop: None }, &Silent).expect("a picture").film;
+    let film = render(&scene, &Settings::default(), &Silent).expect("a picture").film;
     film.channels(Aov::Beauty).expect("colour").swap_remove(1)
 }
 

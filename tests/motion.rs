@@ -17,7 +17,7 @@ use support::scene_of;
 
 /// The channels of a picture, each row by row.
 fn picture(scene: &Scene, threads: usize, crop: Option<Window>) -> Vec<Vec<f32>> {
-    let settings = Settings { threads: NonZeroUsize::new(threads), crop };
+    let settings = Settings { threads: NonZeroUsize::new(threads), crop, ..Settings::default() };
     let rendered = render(scene, &settings, &Silent).expect("a picture");
     assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
     let film = &rendered.film;

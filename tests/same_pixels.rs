@@ -69,7 +69,7 @@ const SCENE: &str = r#"
 "#;
 
 fn bits(scene: &Scene, threads: usize, crop: Option<Window>) -> Vec<Vec<u32>> {
-    let settings = Settings { threads: NonZeroUsize::new(threads), crop };
+    let settings = Settings { threads: NonZeroUsize::new(threads), crop, ..Settings::default() };
     let rendered = render(scene, &settings, &Silent).expect("a picture");
     assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
     channels(&rendered.film)

@@ -22,7 +22,7 @@ pub(crate) fn scene_of(file: &Path, width: u32, keys: &[(&str, String)]) -> Resu
 
 /// A picture by one thread, with statistics.
 pub(crate) fn rendered(scene: &Scene) -> Result<Rendered> {
-    render(scene, &Settings { threads: NonZeroUsize::new(1), crop: None }, &Silent)
+    render(scene, &Settings { threads: NonZeroUsize::new(1), ..Settings::default() }, &Silent)
 }
 
 /// The errors of a picture against a reference of its size.

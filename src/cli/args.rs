@@ -8,6 +8,7 @@ use clap::{Arg, Parser, Subcommand, ValueEnum, ValueHint};
 use clap_complete::Shell;
 
 use crate::bench::{self, Class};
+use crate::film::Aov;
 use crate::measure::Metric;
 use crate::scene::description::{Backend, Fresnel, Integrator, Query, Sampler, View};
 
@@ -104,6 +105,10 @@ pub struct RenderArgs {
     /// Rays of each glossy lobe, at the first hits of a camera ray
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
+
+    /// Further outputs of the EXR file: albedo, normal, geometric_normal, depth, position, uv, variance, samples
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words::of(&Aov::ALL, Aov::name))]
+    pub aov: Vec<String>,
 
     /// Render only these pixels, the upper ends excluded
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]

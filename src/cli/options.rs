@@ -9,10 +9,11 @@ use std::path::{Path, PathBuf};
 
 use super::args::{DiffArgs, RenderArgs};
 use crate::error::{Error, Place, Problem, Problems, Result};
-use crate::film::Precision;
+use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
+use crate::scene::load::words::suggest;
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -25,6 +26,7 @@ pub(super) struct RenderOptions {
     /// What replaces values of the scene file, in this order.
     pub(super) overrides: Vec<String>,
     pub(super) crop: Option<Window>,
+    pub(super) layout: Layout,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
@@ -53,6 +55,7 @@ impl RenderOptions {
             outputs,
             overrides: overrides(args),
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
+            layout: layout(&args.aov, &mut problems),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
@@ -219,6 +222,16 @@ fn check_target(path: &Path, problems: &mut Problems) {
 
 fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
+}
+
+/// The picture, its coverage, and the outputs of these names in the order of the list.
+fn layout(names: &[String], problems: &mut Problems) -> Layout {
+    let known = Aov::ALL.map(Aov::name);
+    for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
+        let what = format!("there is no output `{name}`");
+        problems.push(on_command_line(what).remedy(suggest(name, &known)));
+    }
+    Layout::with(Aov::ALL.into_iter().filter(|aov| names.iter().any(|name| name == aov.name())))
 }
 
 fn crop(text: &str, problems: &mut Problems) -> Option<Window> {

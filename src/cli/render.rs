@@ -31,7 +31,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt.check()?;
 
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
-    let settings = Settings { threads: options.threads, crop: options.crop };
+    let settings = Settings { threads: options.threads, crop: options.crop, layout: options.layout.clone() };
     let rendered = render::render(&scene, &settings, &meter);
     meter.finish();
     let rendered = rendered?;

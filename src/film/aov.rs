@@ -2,24 +2,59 @@
 //!
 //! To add one: a variant, its line in [`Aov::ALL`] and in [`Aov::channels`], and somebody who fills it.
 
-/// What is kept of each sample. An arbitrary output variable, in the words of the field.
+/// What is kept of the samples. An arbitrary output variable, in the words of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Aov {
     /// Radiance towards the camera, W/(sr m^2).
     Beauty,
     /// The part of the pixel that shows anything but what lies infinitely far away, in [0, 1].
     Alpha,
+    /// The part of white light that what is seen sends back, in [0, 1].
+    Albedo,
+    /// Shading normal of what is seen, in the world.
+    Normal,
+    /// Geometric normal of the first surface, in the world.
+    GeometricNormal,
+    /// Distance from the eye in metres: the mean over what the pixel sees, 0 where that is nothing.
+    Depth,
+    /// Place of the first surface in metres: the mean over what the pixel sees.
+    Position,
+    /// Surface parameters of the first surface: the mean over what the pixel sees.
+    Uv,
+    /// Variance of the pixel's radiance, as far as samples are independent: of better samples it is an upper bound.
+    Variance,
+    /// How many samples the pixel has.
+    Samples,
 }
 
 impl Aov {
     /// All there are.
-    pub const ALL: [Self; 2] = [Self::Beauty, Self::Alpha];
+    pub const ALL: [Self; 10] = [
+        Self::Beauty,
+        Self::Alpha,
+        Self::Albedo,
+        Self::Normal,
+        Self::GeometricNormal,
+        Self::Depth,
+        Self::Position,
+        Self::Uv,
+        Self::Variance,
+        Self::Samples,
+    ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Beauty => "beauty",
             Self::Alpha => "alpha",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::GeometricNormal => "geometric_normal",
+            Self::Depth => "depth",
+            Self::Position => "position",
+            Self::Uv => "uv",
+            Self::Variance => "variance",
+            Self::Samples => "samples",
         }
     }
 
@@ -28,12 +63,40 @@ impl Aov {
         match self {
             Self::Beauty => &["R", "G", "B"],
             Self::Alpha => &["A"],
+            Self::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
+            Self::Normal => &["N.X", "N.Y", "N.Z"],
+            Self::GeometricNormal => &["Ng.X", "Ng.Y", "Ng.Z"],
+            Self::Depth => &["Z"],
+            Self::Position => &["P.X", "P.Y", "P.Z"],
+            Self::Uv => &["uv.U", "uv.V"],
+            Self::Variance => &["variance.R", "variance.G", "variance.B"],
+            Self::Samples => &["samples"],
         }
+    }
+
+    /// How many values each sample brings; those of the others are made of the pixel's sums.
+    pub fn len(self) -> usize {
+        if matches!(self, Self::Variance | Self::Samples) { 0 } else { self.channels().len() }
+    }
+
+    /// Whether samples bring nothing for it.
+    pub fn is_empty(self) -> bool {
+        self.len() == 0
     }
 
     /// Whether its pixels are limited to [0, 1]: a filter with negative parts would overshoot.
     pub fn is_fraction(self) -> bool {
-        self == Self::Alpha
+        matches!(self, Self::Alpha | Self::Albedo)
+    }
+
+    /// Whether it is of surfaces and nothing but that: unfiltered, and a mean over the samples that hit one.
+    pub fn is_of_hits(self) -> bool {
+        matches!(self, Self::Depth | Self::Position | Self::Uv)
+    }
+
+    /// Whether it is of what camera rays see, and not of light.
+    pub fn is_feature(self) -> bool {
+        matches!(self, Self::Albedo | Self::Normal | Self::GeometricNormal) || self.is_of_hits()
     }
 }
 
@@ -44,6 +107,21 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// The picture and its coverage, then those outputs, each once, in that order.
+    pub fn with(aovs: impl IntoIterator<Item = Aov>) -> Self {
+        Self::new([Aov::Beauty, Aov::Alpha].into_iter().chain(aovs))
+    }
+
+    /// Whether this output is kept.
+    pub fn has(&self, aov: Aov) -> bool {
+        self.aovs.contains(&aov)
+    }
+
+    /// Whether anything is kept of what camera rays see.
+    pub fn has_features(&self) -> bool {
+        self.aovs.iter().any(|aov| aov.is_feature())
+    }
+
     /// Those outputs, each once, in that order.
     pub fn new(aovs: impl IntoIterator<Item = Aov>) -> Self {
         let mut unique = Vec::new();
@@ -62,7 +140,7 @@ impl Layout {
 
     /// How many values a sample has.
     pub fn len(&self) -> usize {
-        self.aovs.iter().map(|aov| aov.channels().len()).sum()
+        self.aovs.iter().map(|aov| aov.len()).sum()
     }
 
     /// Whether nothing is kept.
@@ -73,7 +151,7 @@ impl Layout {
     /// Where the first value of `aov` stands in a sample, if it is kept.
     pub fn offset(&self, aov: Aov) -> Option<usize> {
         let position = self.aovs.iter().position(|&other| other == aov)?;
-        Some(self.aovs[..position].iter().map(|aov| aov.channels().len()).sum())
+        Some(self.aovs[..position].iter().map(|aov| aov.len()).sum())
     }
 }
 
@@ -106,6 +184,9 @@ mod tests {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), all, "{names:?}");
-        assert!(Aov::ALL[0].name() != Aov::ALL[1].name(), "names");
+        let mut names: Vec<_> = Aov::ALL.iter().map(|aov| aov.name()).collect();
+        names.sort_unstable();
+        names.dedup();
+        assert_eq!(names.len(), Aov::ALL.len(), "{names:?}");
     }
 }

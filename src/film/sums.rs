@@ -26,15 +26,53 @@ pub struct Tile {
     plain: Vec<f64>,
     /// Sums of weight times value, likewise.
     weighted: Vec<f64>,
+    /// Where variance is kept.
+    squares: Vec<Squares>,
     non_finite: NonFinite,
+}
+
+/// Sums of squares of a pixel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Squares {
+    /// Of weights.
+    weights: f64,
+    /// Of weights, times radiance.
+    once: [f64; 3],
+    /// Of weights, times the square of radiance.
+    twice: [f64; 3],
+}
+
+impl Squares {
+    fn add(&mut self, weight: f64, radiance: &[f32]) {
+        let square = weight * weight;
+        self.weights += square;
+        for (i, &value) in radiance.iter().enumerate().take(3) {
+            let value = f64::from(value);
+            self.once[i] += square * value;
+            self.twice[i] += square * value * value;
+        }
+    }
+
+    fn merge(&mut self, other: &Self) {
+        self.weights += other.weights;
+        add_all(&mut self.once, &other.once);
+        add_all(&mut self.twice, &other.twice);
+    }
+
+    /// The mean of the squares of weight times distance of radiance from `mean`.
+    fn about(&self, i: usize, mean: f64, count: f64) -> f64 {
+        (self.twice[i] - 2.0 * mean * self.once[i] + mean * mean * self.weights) / count
+    }
 }
 
 impl Tile {
     /// No samples yet in that part of the picture.
     pub fn new(window: Window, layout: Layout) -> Self {
         let (pixels, values) = (window.area(), window.area() * layout.len());
+        let squares = if layout.has(Aov::Variance) { pixels } else { 0 };
         Self {
             window,
+            squares: vec![Squares::default(); squares],
             layout,
             counts: vec![0; pixels],
             weights: vec![0.0; pixels],
@@ -61,7 +99,11 @@ impl Tile {
         let weight = f64::from(weight);
         self.counts[pixel] += 1;
         self.weights[pixel] += weight;
-        if !values.iter().all(|value| value.is_finite()) {
+        let finite = values.iter().all(|value| value.is_finite());
+        if let (Some(squares), Some(at)) = (self.squares.get_mut(pixel), self.layout.offset(Aov::Beauty)) {
+            squares.add(weight, if finite { &values[at..at + 3] } else { &[0.0; 3] });
+        }
+        if !finite {
             self.non_finite.record(sample);
             return;
         }
@@ -73,22 +115,27 @@ impl Tile {
         }
     }
 
-    /// Adds samples of one pixel, from `first` on: the same as [`Tile::add`] for each, and faster.
+    /// Adds samples of one pixel, from `first` on, their values one after the other: the same as [`Tile::add`] for each, and
+    /// faster where nothing but picture and coverage is kept.
     ///
     /// # Panics
     /// For a pixel outside of the window, or another number of values than the layout says.
-    pub fn add_run<const N: usize>(
-        &mut self,
-        first: SampleId,
-        samples: impl Iterator<Item = (f32, [f32; N])>,
-    ) {
-        assert_eq!(N, self.layout.len(), "values of a sample");
+    pub fn add_run(&mut self, first: SampleId, weights: &[f32], values: &[f32]) {
+        const N: usize = 4;
+        let len = self.layout.len();
+        assert_eq!(values.len(), weights.len() * len, "values of samples");
+        if len != N || !self.squares.is_empty() {
+            for ((index, &weight), values) in (first.index..).zip(weights).zip(values.chunks_exact(len)) {
+                self.add(SampleId { index, ..first }, weight, values);
+            }
+            return;
+        }
         let pixel = self.place(first);
         let range = pixel * N..(pixel + 1) * N;
         let (mut plain, mut weighted) = ([0.0; N], [0.0; N]);
         plain.copy_from_slice(&self.plain[range.clone()]);
         weighted.copy_from_slice(&self.weighted[range.clone()]);
-        for (index, (weight, values)) in (first.index..).zip(samples) {
+        for ((index, &weight), values) in (first.index..).zip(weights).zip(values.as_chunks::<N>().0) {
             let weight = f64::from(weight);
             self.counts[pixel] += 1;
             self.weights[pixel] += weight;
@@ -181,6 +228,13 @@ impl Film {
             let width = from_width;
             add_all(&mut self.sums.counts[target..target + width], &tile.counts[source..source + width]);
             add_all(&mut self.sums.weights[target..target + width], &tile.weights[source..source + width]);
+            if !tile.squares.is_empty() {
+                let squares = &tile.squares[source..source + width];
+                self.sums.squares[target..target + width]
+                    .iter_mut()
+                    .zip(squares)
+                    .for_each(|(a, b)| a.merge(b));
+            }
             let (target, source, width) = (target * values, source * values, width * values);
             add_all(&mut self.sums.plain[target..target + width], &tile.plain[source..source + width]);
             add_all(&mut self.sums.weighted[target..target + width], &tile.weighted[source..source + width]);
@@ -204,11 +258,48 @@ impl Film {
         resolved.collect()
     }
 
+    /// Value number `value` of each pixel by row as a mean over the samples that hit something, unfiltered; zero where none did.
+    #[expect(clippy::cast_possible_truncation, reason = "sums are rounded to the precision of pictures")]
+    fn of_hits(&self, value: usize) -> Vec<f32> {
+        let (sums, step) = (&self.sums, self.sums.layout.len());
+        let alpha = sums.layout.offset(Aov::Alpha);
+        let of = |pixel: usize| {
+            let hits = alpha.map_or(f64::from(sums.counts[pixel]), |alpha| sums.plain[pixel * step + alpha]);
+            if hits > 0.0 { (sums.plain[pixel * step + value] / hits) as f32 } else { 0.0 }
+        };
+        (0..sums.counts.len()).map(of).collect()
+    }
+
+    /// The variance of each pixel's radiance, channel `i`; zero of a single sample, which says nothing.
+    #[expect(clippy::cast_possible_truncation, reason = "sums are rounded to the precision of pictures")]
+    fn variance(&self, i: usize) -> Vec<f32> {
+        let (sums, step) = (&self.sums, self.sums.layout.len());
+        let Some(offset) = sums.layout.offset(Aov::Beauty) else { return vec![0.0; sums.counts.len()] };
+        let of = |pixel: usize| {
+            let (count, at) = (f64::from(sums.counts[pixel]), pixel * step + offset + i);
+            if count < 2.0 {
+                return 0.0;
+            }
+            // Weights times distances from the plain mean: what the estimate varies by.
+            let mean = sums.plain[at] / count;
+            let first = (sums.weighted[at] - mean * sums.weights[pixel]) / count;
+            let second = sums.squares.get(pixel).map_or(0.0, |squares| squares.about(i, mean, count));
+            ((second - first * first).max(0.0) / (count - 1.0)) as f32
+        };
+        (0..sums.counts.len()).map(of).collect()
+    }
+
     /// The channels of an output; none if it is not kept.
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^24 samples a pixel")]
     pub fn channels(&self, aov: Aov) -> Option<Vec<Vec<f32>>> {
         let offset = self.sums.layout.offset(aov)?;
-        let mut channels: Vec<_> =
-            (0..aov.channels().len()).map(|channel| self.resolve(offset + channel)).collect();
+        let channels = 0..aov.channels().len();
+        let mut channels: Vec<_> = match aov {
+            Aov::Variance => channels.map(|channel| self.variance(channel)).collect(),
+            Aov::Samples => vec![self.sums.counts.iter().map(|&count| count as f32).collect()],
+            _ if aov.is_of_hits() => channels.map(|channel| self.of_hits(offset + channel)).collect(),
+            _ => channels.map(|channel| self.resolve(offset + channel)).collect(),
+        };
         if aov.is_fraction() {
             channels.iter_mut().flatten().for_each(|x| *x = x.clamp(0.0, 1.0));
         }

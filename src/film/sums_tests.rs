@@ -57,7 +57,8 @@ fn a_run_is_what_its_samples_are_one_by_one() {
             for (index, (weight, values)) in (from..).zip(&samples) {
                 single.add(SampleId { x, y, index }, *weight, values);
             }
-            runs.add_run(SampleId { x, y, index: from }, samples.into_iter());
+            let (weights, values): (Vec<_>, Vec<_>) = samples.into_iter().unzip();
+            runs.add_run(SampleId { x, y, index: from }, &weights, values.as_flattened());
         }
     }
     assert_eq!(runs, single, "sums, to the bit, and what was dropped");

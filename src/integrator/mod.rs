@@ -6,6 +6,7 @@
 mod counters;
 mod deferred;
 mod direct;
+mod features;
 mod path;
 mod shading;
 mod splitting;
@@ -14,6 +15,7 @@ mod whitted;
 
 pub use counters::Counters;
 pub use deferred::Deferred;
+pub use features::Features;
 pub use path::{Path, Wave};
 pub use splitting::Splitting;
 pub use view::View;
@@ -34,16 +36,6 @@ pub struct Radiance {
     pub color: Rgb<f32>,
     /// 1 where a surface was hit, 0 where not.
     pub alpha: f32,
-}
-
-impl Radiance {
-    /// What a film keeps of it: red, green, blue and alpha.
-    #[inline]
-    #[must_use]
-    pub fn values(self) -> [f32; 4] {
-        let Self { color: Rgb { r, g, b }, alpha } = self;
-        [r, g, b, alpha]
-    }
 }
 
 /// A frozen scene, and what finds hits in it.

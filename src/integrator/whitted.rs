@@ -60,6 +60,34 @@ pub(crate) struct Node {
     drawn: Option<Drawn>,
 }
 
+impl Node {
+    /// The branch that a camera ray is, in what the camera stands in.
+    pub(super) fn of_camera(camera: &CameraRay, media: Media) -> Self {
+        let CameraRay { ray, found } = *camera;
+        Self {
+            ray,
+            found,
+            start: ray.o,
+            beta: Rgb::WHITE,
+            radiance_scale: 1.0,
+            depth: 1,
+            vertex: Vertex::ROOT,
+            media,
+            drawn: None,
+        }
+    }
+
+    /// Goes on from a surface along `d`, on the same side or through it.
+    pub(super) fn pass(&mut self, at: &Arrival, (d, through): (Vec3, bool)) {
+        self.ray = at.it.spawn(d);
+        self.found = None;
+        self.start = at.it.p;
+        if through {
+            self.media = at.beyond;
+        }
+    }
+}
+
 /// How a glossy branch was drawn; what it meets by chance is shared with asking lights.
 #[derive(Clone, Copy, Debug)]
 struct Drawn {
@@ -102,19 +130,8 @@ impl Integrator for Whitted {
         worker: &mut Worker,
     ) -> Radiance {
         worker.counters.camera += 1;
-        let CameraRay { ray, found } = *camera;
         let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
-        worker.pending.push(Node {
-            ray,
-            found,
-            start: ray.o,
-            beta: Rgb::WHITE,
-            radiance_scale: 1.0,
-            depth: 1,
-            vertex: Vertex::ROOT,
-            media: stage.eye_media,
-            drawn: None,
-        });
+        worker.pending.push(Node::of_camera(camera, stage.eye_media));
         while let Some(node) = worker.pending.pop() {
             let vertex = node.vertex;
             let hit = self.follow(stage, node, sampler, worker, &mut result.color);
@@ -297,16 +314,20 @@ impl<A: Accel> At<'_, A> {
 }
 
 /// The surface that a branch ends at.
-struct Arrival {
-    it: Interaction,
+pub(super) struct Arrival {
+    pub(super) it: Interaction,
     /// Index of refraction behind the surface over that before it.
-    eta: f32,
+    pub(super) eta: f32,
     beyond: Media,
 }
 
 /// Finds the surface that `node` meets, `None` if it escapes; what the way absorbs goes into `node.beta`, and media whose
 /// surfaces were passed unseen into `node.media`.
-fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) -> Option<Arrival> {
+pub(super) fn arrive<A: Accel>(
+    stage: &Stage<'_, A>,
+    node: &mut Node,
+    worker: &mut Worker,
+) -> Option<Arrival> {
     for _ in 0..MOST_HIDDEN {
         let Some(hit) = node.found.take().unwrap_or_else(|| stage.accel.intersect(&node.ray)) else {
             absorb(stage, node, f32::INFINITY);

@@ -74,6 +74,7 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
         #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
         seed: (seed ^ (seed >> 32)) as u32,
         moves: scene.is_moving(),
+        layout: settings.layout.clone(),
         progress,
     })
 }

@@ -1,6 +1,6 @@
 //! What a rendering is told, and what it tells.
 
-use crate::film::Film;
+use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
 use cpu_time::ProcessTime;
@@ -8,12 +8,14 @@ use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 /// What the scene does not say.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
     /// How many threads; all processors if absent.
     pub threads: Option<NonZeroUsize>,
     /// The part of the picture to render; all of it if absent.
     pub crop: Option<Window>,
+    /// What is kept of samples.
+    pub layout: Layout,
 }
 
 /// Somebody who watches, and may stop it. Called from several threads at once.

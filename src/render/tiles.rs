@@ -2,10 +2,10 @@
 
 use crate::accel::{Accel, Coherence, HitStream, RayStream};
 use crate::error::{Error, Result};
-use crate::film::{Film, Filter, Layout, SampleId, Tile};
+use crate::film::{Aov, Film, Filter, Layout, SampleId, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
-use crate::integrator::{CameraRay, Counters, Deferred, Integrator, Path, Radiance, Wave, Worker};
+use crate::integrator::{CameraRay, Counters, Deferred, Features, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::Progress;
 use crate::render::eye::Eye;
 use crate::render::samples::{Begin, CameraSamples, Cursor};
@@ -28,6 +28,8 @@ pub(super) struct Plan<'a> {
     pub(super) seed: u32,
     /// Whether anything moves.
     pub(super) moves: bool,
+    /// What is kept of samples.
+    pub(super) layout: Layout,
     pub(super) progress: &'a dyn Progress,
 }
 
@@ -36,7 +38,7 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
     let eye = Eye::new(scene, accel);
-    let sums = Mutex::new((Film::new(full, plan.window, Layout::default()), Counters::default()));
+    let sums = Mutex::new((Film::new(full, plan.window, plan.layout.clone()), Counters::default()));
     let total = plan.window.area() as u64 * u64::from(scene.render.spp);
     let done = AtomicU64::new(0);
     let advance = |samples| {
@@ -44,7 +46,7 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
     };
     tiles(plan.window).into_par_iter().try_for_each_init(E::Memory::default, |memory, window| {
         let mut work =
-            Work { plan, eye: &eye, tile: Tile::new(window, Layout::default()), advance: &advance };
+            Work { plan, eye: &eye, tile: Tile::new(window, plan.layout.clone()), advance: &advance };
         let counters = engine.tile(&mut work, memory)?;
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
         sums.0.add(&work.tile);
@@ -73,8 +75,55 @@ pub(super) struct Work<'a, A> {
 }
 
 impl<A> Work<'_, A> {
-    fn add(&mut self, id: SampleId, weight: f32, radiance: Radiance) {
-        self.tile.add(id, weight, &radiance.values());
+    /// Adds samples of one pixel, `first` and those that follow, with what each has brought home. `values` is scratch.
+    fn add(
+        &mut self,
+        first: SampleId,
+        weights: &[f32],
+        found: impl Iterator<Item = Radiance>,
+        values: &mut Vec<f32>,
+    ) where
+        A: Accel,
+    {
+        values.clear();
+        for (index, radiance) in (first.index..).zip(found).take(weights.len()) {
+            self.outputs(SampleId { index, ..first }, radiance, values);
+        }
+        self.tile.add_run(first, weights, values);
+    }
+
+    /// The values that are kept of a sample, in the order of the layout.
+    fn outputs(&self, id: SampleId, radiance: Radiance, values: &mut Vec<f32>)
+    where
+        A: Accel,
+    {
+        let layout = &self.plan.layout;
+        let features = if layout.has_features() { self.features(id) } else { None };
+        for aov in layout.aovs() {
+            let of = |value: fn(&Features) -> [f32; 3]| features.as_ref().map_or([0.0; 3], value);
+            match aov {
+                Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
+                Aov::Alpha => values.push(radiance.alpha),
+                Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
+                Aov::Normal => values.extend(of(|it| it.normal.to_array())),
+                Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
+                Aov::Depth => values.push(features.as_ref().map_or(0.0, |it| it.depth)),
+                Aov::Position => values.extend(of(|it| it.position.to_array())),
+                Aov::Uv => values.extend(features.as_ref().map_or([0.0; 2], |it| it.uv.to_array())),
+                Aov::Variance | Aov::Samples => {}
+            }
+        }
+    }
+
+    /// What the camera ray of a sample sees.
+    fn features(&self, SampleId { x, y, index }: SampleId) -> Option<Features>
+    where
+        A: Accel,
+    {
+        let plan = self.plan;
+        let CameraSamples { o, d, time, .. } = plan.camera_samples([x, y], &plan.start([x, y], index));
+        let ray = Ray::new(o.into(), d.into()).at_time(time);
+        Features::of(&self.eye.stage(time), &CameraRay { ray, found: None })
     }
 
     /// Tells of samples taken; fails if somebody wants to stop.
@@ -91,7 +140,7 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
     type Memory = ();
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, _memory: &mut ()) -> Result<Counters> {
-        let mut worker = Worker::default();
+        let (mut worker, mut values) = (Worker::default(), Vec::new());
         let (plan, spp) = (work.plan, work.plan.scene.render.spp);
         for id in Cursor::new(work.tile.window(), spp) {
             let pixel = [id.x, id.y];
@@ -99,7 +148,7 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
             let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
             let camera = CameraRay { ray: Ray::new(o.into(), d.into()).at_time(time), found: None };
             let found = self.0.li(&work.eye.stage(time), &camera, &sampler, &mut worker);
-            work.add(id, weight, found);
+            work.add(id, &[weight], [found].into_iter(), &mut values);
             if id.index + 1 == spp {
                 work.report(u64::from(spp))?;
             }
@@ -125,6 +174,7 @@ pub(super) struct Together {
     hits: HitStream,
     weights: Vec<f32>,
     found: Vec<Radiance>,
+    values: Vec<f32>,
 }
 
 impl<I: Integrator> Engine for InStreams<'_, I> {
@@ -147,7 +197,7 @@ impl<I: Integrator> Engine for InStreams<'_, I> {
 
 impl<I: Integrator> InStreams<'_, I> {
     fn samples<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Together, worker: &mut Worker) {
-        let Together { runs, rays, hits, weights, found } = memory;
+        let Together { runs, rays, hits, weights, found, values } = memory;
         let (plan, accel) = (work.plan, work.eye.stage(0.0).accel);
         let ids = |&(first, count): &(SampleId, u32)| {
             (first.index..first.index + count).map(move |index| SampleId { index, ..first })
@@ -176,8 +226,7 @@ impl<I: Integrator> InStreams<'_, I> {
         let mut at = 0;
         for &(first, count) in &*runs {
             let samples = at..at + count as usize;
-            let values = found[samples.clone()].iter().map(|radiance| radiance.values());
-            work.tile.add_run(first, weights[samples.clone()].iter().copied().zip(values));
+            work.add(first, &weights[samples.clone()], found[samples.clone()].iter().copied(), values);
             at = samples.end;
         }
     }
@@ -197,6 +246,7 @@ pub(super) struct Batch {
     runs: Vec<(SampleId, u32)>,
     wave: Wave,
     weights: Vec<f32>,
+    values: Vec<f32>,
 }
 
 impl Engine for InBatches<'_> {
@@ -219,7 +269,7 @@ impl Engine for InBatches<'_> {
 
 impl InBatches<'_> {
     fn trace<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch, counters: &mut Counters) {
-        let Batch { runs, wave, weights } = batch;
+        let Batch { runs, wave, weights, values } = batch;
         self.path.level().run(Begin { plan: work.plan, runs, wave, weights });
         if work.plan.scene.has_media() {
             wave.set_media(|time| work.eye.stage(time).eye_media);
@@ -228,8 +278,7 @@ impl InBatches<'_> {
         let mut at = 0;
         for &(first, count) in &*runs {
             let samples = at..at + count as usize;
-            let values = samples.clone().map(|i| wave.radiance(i).values());
-            work.tile.add_run(first, weights[samples.clone()].iter().copied().zip(values));
+            work.add(first, &weights[samples.clone()], samples.clone().map(|i| wave.radiance(i)), values);
             at = samples.end;
         }
     }
