@@ -42,7 +42,7 @@ fn still(render: &str) -> String {
         [[shapes]]
         type = "rectangle"
         center = [0.0, 0.0, -2.0]
-        edge_u = [1.5, 0.0, 0.0]
+        edge_u = [1.4, 0.0, 0.0]
         edge_v = [0.0, 5.0, 0.0]
         material = "red"
         [[shapes]]
@@ -54,8 +54,8 @@ fn still(render: &str) -> String {
         [[lights]]
         type = "rectangle"
         center = [3.0, 5.0, 3.0]
-        edge_u = [0.5, 0.0, -0.5]
-        edge_v = [0.0, 0.5, -0.5]
+        edge_u = [0.0, 0.5, -0.5]
+        edge_v = [0.5, 0.0, -0.5]
         radiance = 20.0
         "#
     )
@@ -95,7 +95,7 @@ fn surfaces_are_what_and_where_they_are() {
         assert_near(&at(&film, Aov::Depth, [16, 16]), &[3.5], "depth of the ball");
         assert_near(&at(&film, Aov::Position, [16, 16]), &[0.05, 0.95, 0.5], "place of the ball");
         let normal = at(&film, Aov::Normal, [16, 16]);
-        assert!(normal[2] > 0.98, "normal of the ball: {normal:?}");
+        assert!(normal[2] > 0.97, "normal of the ball: {normal:?}");
         // The wall over the ball.
         assert_near(&at(&film, Aov::Albedo, [16, 4]), &[0.6, 0.1, 0.05], "albedo of the wall");
         assert_near(&at(&film, Aov::Normal, [16, 4]), &[0.0, 0.0, 1.0], "normal of the wall");
