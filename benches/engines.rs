@@ -2,7 +2,7 @@
 //! is the fastest.
 //!
 //! One thread. `cargo bench --bench engines -- [--record] [part of a race's name]`. `SPECULA_ISA=avx2` and so on limits the
-//! instruction set of shading.
+//! instruction sets of shading and of Embree; the record is then `engines_avx2.csv`.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
@@ -15,7 +15,7 @@ mod support;
 #[path = "support/terrain.rs"]
 mod terrain;
 
-use specula::accel::embree::{BuildOptions, EmbreeAccel};
+use specula::accel::embree::EmbreeAccel;
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 use specula::render::{Chosen, Settings, Silent, query, render_on};
 use specula::scene::Scene;
@@ -36,7 +36,7 @@ fn main() -> Result<()> {
         }
         let Some(scene) = place()? else { continue };
         let Chosen { query: chosen, .. } = query(&scene);
-        let accel = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
+        let accel = EmbreeAccel::build(&scene.world, &places::embree()).expect("Embree builds");
         let samples = scene.film.width as usize * scene.film.height as usize * scene.render.spp as usize;
         let scene = RefCell::new(scene);
         let pass = |query| {

@@ -1,7 +1,8 @@
 //! How much of a whole picture is traversal: the time in which Embree answers the very rays of the picture, replayed from memory
 //! in the best way for each class, over the time of the picture.
 //!
-//! One thread, CPU time. `cargo bench --bench traversal -- [--record]` also writes `benches/record/traversal.csv`.
+//! One thread, CPU time. `cargo bench --bench traversal -- [--record]` also writes `benches/record/traversal.csv`;
+//! `SPECULA_ISA=avx2` and so on limits the instruction sets of shading and of Embree.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
@@ -9,11 +10,13 @@
 mod peers;
 #[path = "support/places.rs"]
 mod places;
+#[path = "support/record.rs"]
+mod record;
 #[path = "support/terrain.rs"]
 mod terrain;
 
 use cpu_time::ProcessTime;
-use specula::accel::embree::{BuildOptions, EmbreeAccel};
+use specula::accel::embree::EmbreeAccel;
 use specula::accel::{Accel, Active, Coherence, Packet, RayPacket};
 use specula::bench::race::{Spread, interleave};
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -181,9 +184,7 @@ fn main() -> Result<()> {
         }
     }
     if has("--record") {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/traversal.csv");
-        std::fs::write(&file, csv)?;
-        println!("\nrecorded in {}", file.display());
+        record::record("traversal", passes, &csv)?;
     }
     Ok(())
 }
@@ -194,7 +195,7 @@ const PATHS: &str = "integrator = \"path\"\nspp = 16";
 const FIVE: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
 
 fn measure(name: &str, scene: &Scene, passes: usize, csv: &mut String) -> Result<()> {
-    let embree = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
+    let embree = EmbreeAccel::build(&scene.world, &places::embree()).expect("Embree builds");
     let settings = Settings { threads: NonZeroUsize::new(1), crop: None };
     let recorder = Recorder { embree: &embree, log: Mutex::default() };
     render_on(scene, &settings, &recorder, &Silent)?;
