@@ -129,7 +129,8 @@ const PATHS: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
 
 fn by_triangles((is_bench, passes): (bool, usize), found: &mut Found) -> Result<()> {
     let against = "triangles";
-    let (cells, size): (&[u32], _) = if is_bench { (&[22, 71, 224, 707, 2236], 128) } else { (&[10, 20], 16) };
+    let (cells, size): (&[u32], _) =
+        if is_bench { (&[22, 71, 224, 707, 2236], 128) } else { (&[10, 20], 16) };
     let mut cases = Vec::new();
     for &cells in cells {
         let at = 2.0 * f64::from(cells).powi(2);
@@ -190,8 +191,16 @@ fn by_threads((is_bench, passes): (bool, usize), found: &mut Found) -> Result<()
         }
         let per_ray = pairs.iter().map(|(one, all)| (all.cpu_s / all.rays) / (one.cpu_s / one.rays));
         found.note(at, "CPU per ray over that of one thread", Spread::of(per_ray));
-        found.note(at, "Mrays/s by the clock; one thread", Spread::of(pairs.iter().map(|(one, _)| rate(one) * 1e-6)));
-        found.note(at, "Mrays/s by the clock; all", Spread::of(pairs.iter().map(|(_, all)| rate(all) * 1e-6)));
+        found.note(
+            at,
+            "Mrays/s by the clock; one thread",
+            Spread::of(pairs.iter().map(|(one, _)| rate(one) * 1e-6)),
+        );
+        found.note(
+            at,
+            "Mrays/s by the clock; all",
+            Spread::of(pairs.iter().map(|(_, all)| rate(all) * 1e-6)),
+        );
     }
     Ok(())
 }
@@ -223,8 +232,18 @@ fn main() -> Result<()> {
             "triangles",
             &[["CPU ns per sample", "per sample"], ["CPU ns per ray", "per ray"]],
         ),
-        panel("Build", ["triangles", "s"], "triangles", &[["CPU s of the build", "CPU"], ["wall s of the build", "clock"]]),
-        panel("Pictures of four samples a pixel", ["pixels", "CPU s"], "pixels", &[["CPU s of the picture", "picture"]]),
+        panel(
+            "Build",
+            ["triangles", "s"],
+            "triangles",
+            &[["CPU s of the build", "CPU"], ["wall s of the build", "clock"]],
+        ),
+        panel(
+            "Pictures of four samples a pixel",
+            ["pixels", "CPU s"],
+            "pixels",
+            &[["CPU s of the picture", "picture"]],
+        ),
     ];
     for curve in panels.iter().flat_map(|panel| &panel.curves) {
         println!("slope of {}: {:.3}", curve.label, curve.slope());

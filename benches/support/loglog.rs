@@ -27,7 +27,8 @@ impl Curve {
         let count = self.points.len() as f64;
         let mean = |axis: usize| self.points.iter().map(|point| point[axis].ln()).sum::<f64>() / count;
         let centre = [mean(0), mean(1)];
-        let offsets = self.points.iter().map(|point| [0, 1].map(|axis: usize| point[axis].ln() - centre[axis]));
+        let offsets =
+            self.points.iter().map(|point| [0, 1].map(|axis: usize| point[axis].ln() - centre[axis]));
         let (xy, xx) = offsets.fold((0.0, 0.0), |(xy, xx), [x, y]| (xy + x * y, xx + x * x));
         xy / xx
     }
@@ -66,7 +67,9 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
         .x_label_area_size(40)
         .y_label_area_size(56)
         .build_cartesian_2d(range(0, 1.5), range(1, 3.0))?;
-    let number = |x: &f64| if (0.01..1e4).contains(x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:.0e}") };
+    let number = |x: &f64| {
+        if (0.01..1e4).contains(x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:.0e}") }
+    };
     chart
         .configure_mesh()
         .label_style(FONT)

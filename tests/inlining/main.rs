@@ -13,6 +13,8 @@ use specula::math::lanes::Level;
 mod kernels;
 #[path = "../support/lights.rs"]
 mod lights;
+#[path = "../support/lobes.rs"]
+mod lobes;
 #[path = "../../benches/lanes/shading.rs"]
 mod shading;
 
