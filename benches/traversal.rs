@@ -151,6 +151,7 @@ fn ways<'a>(embree: &'a EmbreeAccel, rays: &'a [Ray], shadows: bool) -> Vec<Way<
         return vec![
             ("single", Box::new(move || rays.iter().map(|ray| u64::from(embree.occluded(ray))).sum())),
             ("packet8 incoherent", any::<8>(embree, rays, Incoherent)),
+            ("packet8 coherent", any::<8>(embree, rays, Coherent)),
             ("packet16 incoherent", any::<16>(embree, rays, Incoherent)),
             ("packet16 coherent", any::<16>(embree, rays, Coherent)),
         ];
@@ -163,6 +164,7 @@ fn ways<'a>(embree: &'a EmbreeAccel, rays: &'a [Ray], shadows: bool) -> Vec<Way<
             }),
         ),
         ("packet8 incoherent", closest::<8>(embree, rays, Incoherent)),
+        ("packet8 coherent", closest::<8>(embree, rays, Coherent)),
         ("packet16 incoherent", closest::<16>(embree, rays, Incoherent)),
         ("packet16 coherent", closest::<16>(embree, rays, Coherent)),
     ]
