@@ -64,16 +64,16 @@ fn main() -> Result<()> {
 type Case = (&'static str, fn() -> Result<Option<Scene>>);
 
 const CASES: [Case; 10] = [
-    ("closed box, paths", || places::peer("cornell", PATHS, 64)),
-    ("glossy balls, paths", || places::peer("glossyrow", PATHS, 96)),
-    ("landscape of 1 M triangles, paths", || places::landscape(708, FIVE, 64).map(Some)),
-    ("furnished room, paths", || places::interior(FIVE, 64)),
-    ("shapes, paths", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
-    ("hello, tree", || file("hello", &[])),
-    ("soft shadows, distribution", || file("soft_shadows", &[])),
-    ("glossy row, tree", || file("glossy_row", &[])),
-    ("mirrors, tree", || file("mirrors", &[])),
-    ("landscape of 1 M triangles, tree", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
+    ("paths: closed box", || places::peer("cornell", PATHS, 64)),
+    ("paths: glossy balls", || places::peer("glossyrow", PATHS, 96)),
+    ("paths: landscape of 1 M triangles", || places::landscape(708, FIVE, 64).map(Some)),
+    ("paths: furnished room", || places::interior(FIVE, 64)),
+    ("paths: shapes", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
+    ("tree: hello", || file("hello", &[])),
+    ("distribution: soft shadows", || file("soft_shadows", &[])),
+    ("tree: glossy row", || file("glossy_row", &[])),
+    ("tree: mirrors", || file("mirrors", &[])),
+    ("tree: landscape of 1 M triangles", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
 ];
 
 /// Of scenes that bring their own depth.

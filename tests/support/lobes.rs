@@ -29,7 +29,7 @@ macro_rules! each_lobe {
 }
 pub(crate) use each_lobe;
 
-/// One of each kind with its name; those that hold a distribution, twice.
+/// One of each kind with its name; those with a choice within, twice.
 pub(crate) fn lobes() -> Vec<(&'static str, Bsdf<f32>)> {
     let gray = Rgb::gray(0.5_f32);
     let base = Diffuse { reflectance: gray };
@@ -49,7 +49,8 @@ pub(crate) fn lobes() -> Vec<(&'static str, Bsdf<f32>)> {
         ("rough dielectric; ggx", Bsdf::RoughDielectric(RoughDielectric { glass, facets: long })),
         ("rough dielectric; beckmann", Bsdf::RoughDielectric(RoughDielectric { glass, facets: short })),
         ("thin dielectric", Bsdf::ThinDielectric(ThinDielectric { glass, transmittance: gray })),
-        ("glossy", Bsdf::Glossy(Over { lobe: glossy, base })),
+        ("glossy; through_r", Bsdf::Glossy(Over { lobe: Glossy { below: Below::ThroughR, ..glossy }, base })),
+        ("glossy; rejection", Bsdf::Glossy(Over { lobe: glossy, base })),
         ("phong", Bsdf::Phong(Over { lobe: phong, base })),
         ("jitter", Bsdf::Jitter(Over { lobe: Jitter { reflectance: gray, exponent: 20.0 }, base })),
         ("glazed", Bsdf::Glazed(Coat::new(FresnelModel::Exact, 1.5).over(gray))),
