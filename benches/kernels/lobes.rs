@@ -1,6 +1,6 @@
 //! What a lobe answers to a path: the value for a light's direction and the way on, as the path integrator asks for them.
 
-use crate::lobes_list::each_lobe;
+use crate::one_of_each::each_lobe;
 use crate::support::Race;
 use specula::bsdf::choice::{Answer, Question, answer};
 use specula::bsdf::{Bsdf, Lobe, Spread};

@@ -5,8 +5,8 @@
 
 mod film;
 mod lobes;
-#[path = "../../tests/support/lobes.rs"]
-mod lobes_list;
+#[path = "../../tests/support/one_of_each.rs"]
+mod one_of_each;
 mod samplers;
 #[path = "../support/mod.rs"]
 mod support;
@@ -16,7 +16,7 @@ use support::Bench;
 fn main() -> std::io::Result<()> {
     let mut bench = Bench::new("kernels");
     let questions = lobes::Questions::new();
-    for (name, lobe) in lobes_list::lobes() {
+    for (name, lobe) in one_of_each::lobes() {
         bench.run(lobes::race(name, lobe, &questions));
     }
     for (name, kind) in samplers::KINDS {

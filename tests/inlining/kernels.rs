@@ -2,7 +2,7 @@
 //!
 //! Each is a function of its own per instruction set, out of line: in one piece they would take minutes to compile.
 
-use crate::lobes::{each_lobe, lobes};
+use crate::one_of_each::{each_lobe, lobes};
 use specula::bsdf::choice::{Answer, Question, answer};
 use specula::bsdf::{Bsdf, Lobe, Spread};
 use specula::light::{Light, LightSample, Reference};
