@@ -232,7 +232,12 @@ fn main() -> Result<()> {
             "triangles",
             &[["CPU ns per sample", "per sample"], ["CPU ns per ray", "per ray"]],
         ),
-        panel("Build", ["triangles", "CPU s"], "triangles", &[["CPU s of the build", "build"]]),
+        panel(
+            "Build",
+            ["triangles", "s"],
+            "triangles",
+            &[["CPU s of the build", "CPU"], ["wall s of the build", "clock"]],
+        ),
         panel(
             "Pictures of four samples a pixel",
             ["pixels", "CPU s"],

@@ -68,7 +68,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
         .y_label_area_size(56)
         .build_cartesian_2d(range(0, 1.5), range(1, 3.0))?;
     let number = |x: &f64| {
-        if (0.01..1e3).contains(x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:.0e}") }
+        if (0.01..1e4).contains(x) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:.0e}") }
     };
     chart
         .configure_mesh()
