@@ -2,7 +2,7 @@
 //! is the fastest.
 //!
 //! One thread. `cargo bench --bench engines -- [--record] [part of a race's name]`. `SPECULA_ISA=avx2` and so on limits the
-//! instruction set of shading.
+//! instruction sets of shading and of Embree; the record is then `engines_avx2.csv`.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
@@ -15,7 +15,7 @@ mod support;
 #[path = "support/terrain.rs"]
 mod terrain;
 
-use specula::accel::embree::{BuildOptions, EmbreeAccel};
+use specula::accel::embree::EmbreeAccel;
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 use specula::render::{Chosen, Settings, Silent, query, render_on};
 use specula::scene::Scene;
@@ -36,7 +36,7 @@ fn main() -> Result<()> {
         }
         let Some(scene) = place()? else { continue };
         let Chosen { query: chosen, .. } = query(&scene);
-        let accel = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
+        let accel = EmbreeAccel::build(&scene.world, &places::embree()).expect("Embree builds");
         let samples = scene.film.width as usize * scene.film.height as usize * scene.render.spp as usize;
         let scene = RefCell::new(scene);
         let pass = |query| {
@@ -64,16 +64,16 @@ fn main() -> Result<()> {
 type Case = (&'static str, fn() -> Result<Option<Scene>>);
 
 const CASES: [Case; 10] = [
-    ("closed box, paths", || places::peer("cornell", PATHS, 64)),
-    ("glossy balls, paths", || places::peer("glossyrow", PATHS, 96)),
-    ("landscape of 1 M triangles, paths", || places::landscape(708, FIVE, 64).map(Some)),
-    ("furnished room, paths", || places::interior(FIVE, 64)),
-    ("shapes, paths", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
-    ("hello, tree", || file("hello", &[])),
-    ("soft shadows, distribution", || file("soft_shadows", &[])),
-    ("glossy row, tree", || file("glossy_row", &[])),
-    ("mirrors, tree", || file("mirrors", &[])),
-    ("landscape of 1 M triangles, tree", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
+    ("paths: closed box", || places::peer("cornell", PATHS, 64)),
+    ("paths: glossy balls", || places::peer("glossyrow", PATHS, 96)),
+    ("paths: landscape of 1 M triangles", || places::landscape(708, FIVE, 64).map(Some)),
+    ("paths: furnished room", || places::interior(FIVE, 64)),
+    ("paths: shapes", || file("shapes", &["render.integrator=path", "render.max_depth=6"])),
+    ("tree: hello", || file("hello", &[])),
+    ("distribution: soft shadows", || file("soft_shadows", &[])),
+    ("tree: glossy row", || file("glossy_row", &[])),
+    ("tree: mirrors", || file("mirrors", &[])),
+    ("tree: landscape of 1 M triangles", || places::landscape(708, "spp = 16\nmax_depth = 4", 96).map(Some)),
 ];
 
 /// Of scenes that bring their own depth.

@@ -1,7 +1,8 @@
 //! How much of a whole picture is traversal: the time in which Embree answers the very rays of the picture, replayed from memory
 //! in the best way for each class, over the time of the picture.
 //!
-//! One thread, CPU time. `cargo bench --bench traversal -- [--record]` also writes `benches/record/traversal.csv`.
+//! One thread, CPU time. `cargo bench --bench traversal -- [--record]` also writes `benches/record/traversal.csv`;
+//! `SPECULA_ISA=avx2` and so on limits the instruction sets of shading and of Embree.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its tables")]
 
@@ -9,11 +10,13 @@
 mod peers;
 #[path = "support/places.rs"]
 mod places;
+#[path = "support/record.rs"]
+mod record;
 #[path = "support/terrain.rs"]
 mod terrain;
 
 use cpu_time::ProcessTime;
-use specula::accel::embree::{BuildOptions, EmbreeAccel};
+use specula::accel::embree::EmbreeAccel;
 use specula::accel::{Accel, Active, Coherence, Packet, RayPacket};
 use specula::bench::race::{Spread, interleave};
 type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
@@ -148,6 +151,7 @@ fn ways<'a>(embree: &'a EmbreeAccel, rays: &'a [Ray], shadows: bool) -> Vec<Way<
         return vec![
             ("single", Box::new(move || rays.iter().map(|ray| u64::from(embree.occluded(ray))).sum())),
             ("packet8 incoherent", any::<8>(embree, rays, Incoherent)),
+            ("packet8 coherent", any::<8>(embree, rays, Coherent)),
             ("packet16 incoherent", any::<16>(embree, rays, Incoherent)),
             ("packet16 coherent", any::<16>(embree, rays, Coherent)),
         ];
@@ -160,6 +164,7 @@ fn ways<'a>(embree: &'a EmbreeAccel, rays: &'a [Ray], shadows: bool) -> Vec<Way<
             }),
         ),
         ("packet8 incoherent", closest::<8>(embree, rays, Incoherent)),
+        ("packet8 coherent", closest::<8>(embree, rays, Coherent)),
         ("packet16 incoherent", closest::<16>(embree, rays, Incoherent)),
         ("packet16 coherent", closest::<16>(embree, rays, Coherent)),
     ]
@@ -181,9 +186,7 @@ fn main() -> Result<()> {
         }
     }
     if has("--record") {
-        let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/traversal.csv");
-        std::fs::write(&file, csv)?;
-        println!("\nrecorded in {}", file.display());
+        record::record("traversal", passes, &csv)?;
     }
     Ok(())
 }
@@ -194,7 +197,7 @@ const PATHS: &str = "integrator = \"path\"\nspp = 16";
 const FIVE: &str = "integrator = \"path\"\nspp = 16\nmax_depth = 5";
 
 fn measure(name: &str, scene: &Scene, passes: usize, csv: &mut String) -> Result<()> {
-    let embree = EmbreeAccel::build(&scene.world, &BuildOptions::default()).expect("Embree builds");
+    let embree = EmbreeAccel::build(&scene.world, &places::embree()).expect("Embree builds");
     let settings = Settings { threads: NonZeroUsize::new(1), ..Settings::default() };
     let recorder = Recorder { embree: &embree, log: Mutex::default() };
     render_on(scene, &settings, &recorder, &Silent)?;

@@ -341,10 +341,11 @@ impl<S: Isa> Kernel<S> for Memory {
 #[inline(always)]
 fn rows<S: Isa>(isa: S, len: usize, index: &[u32]) {
     let (floats, ints) = (&FLOATS.as_chunks::<3>().0[..len], &INTS.as_chunks::<3>().0[..len]);
-    let near = |i: usize, name: u32| if len == 0 || i == 3 { name } else { name % len as u32 };
+    let count = u32::try_from(len).expect("a small table");
+    let near = |i: usize, name: u32| if count == 0 || i == 3 { name } else { name % count };
     for names in [
         isa.load_u32(index),
-        isa.per_lane_u32(|i| index[i] % len.max(1) as u32),
+        isa.per_lane_u32(|i| index[i] % Ord::max(count, 1)),
         isa.per_lane_u32(|i| near(i, index[i])),
         isa.splat_u32(0x5555_5556),
     ] {

@@ -190,6 +190,7 @@ fn packets_and_streams_bring_home_what_single_rays_do() {
 }
 
 /// A ray that meets an edge or a path that chooses within rounding goes elsewhere: few pixels, and no bias.
+#[expect(clippy::print_stdout, reason = "tells how much differs")]
 fn compare(what: &str, single: &Image, other: &Image) {
     let differences = single.pixels().iter().zip(other.pixels()).map(|(a, b)| {
         let largest = a.max_channel().max(b.max_channel()).max(1e-3);

@@ -30,6 +30,7 @@ fn pictures_agree_with_those_of_mitsuba() {
 }
 
 /// Means of blocks of pixels agree within their noise, which is estimated from the block's own differences.
+#[expect(clippy::print_stdout, reason = "tells what was found")]
 fn compare(what: &str, ours: &Image, reference: &Image) {
     const BLOCKS: usize = 8;
     let side = SIZE as usize / BLOCKS;

@@ -1,28 +1,22 @@
 //! What a lane costs: each function, and a whole shading pass, at every width this machine has.
 //!
 //! The functions run over arrays that stay in the first cache; the first contestant is the standard library's function,
-//! one number at a time. Samplers draw pairs, the first contestant one pixel at a time. The shading pass is that of `shading.rs`; its first contestant is the width-1 implementation.
+//! one number at a time. The shading pass is that of `shading.rs`; its first contestant is the width-1 implementation.
 
 mod functions;
-mod samplers;
 mod shading;
 #[path = "../support/mod.rs"]
 mod support;
 
 use specula::math::lanes::{Isa, Level, Portable};
-use specula::sampling::SamplerKind;
 
 use functions::{Apply, Function};
-use samplers::Draw;
 use shading::{Bounce, Paths};
 use support::{Bench, Race};
 
 /// Numbers in an array of the function races, and how often a pass goes over them.
 const NUMBERS: usize = 2048;
 const REPEATS: usize = 400;
-
-/// Pairs of a pass of the sampler races: whole pixels for sixteen lanes.
-const PAIRS: usize = 1 << 19;
 
 /// Paths of the shading race, and how often a pass goes over them.
 const PATHS: usize = 4096;
@@ -35,9 +29,6 @@ fn main() -> std::io::Result<()> {
         if bench.wants(function.name()) {
             bench.run(function_race(function, &levels));
         }
-    }
-    for (name, kind) in samplers::KINDS {
-        bench.run(sampler_race(&format!("sampler {name}"), kind, &levels));
     }
     if bench.wants("shading") {
         bench.run(shading_race(&levels));
@@ -67,19 +58,6 @@ fn function_race(function: Function, levels: &[Level]) -> Race<'static> {
         });
     }
     race
-}
-
-fn sampler_race(name: &str, kind: SamplerKind, levels: &[Level]) -> Race<'static> {
-    let mut race = Race::new(name, PAIRS, "pairs");
-    for &level in levels {
-        race = race.with(level.name(), move || {
-            u64::from(level.run(Draw { kind: std::hint::black_box(kind), pairs: PAIRS }).to_bits())
-        });
-    }
-    race.with("portable of 16", move || {
-        let draw = Draw { kind: std::hint::black_box(kind), pairs: PAIRS };
-        u64::from(Portable::<16>.run(draw).to_bits())
-    })
 }
 
 fn shading_race(levels: &[Level]) -> Race<'static> {

@@ -4,19 +4,18 @@
 //! first contestant of the race; reported are the median over the passes and the spread. Absolute rates are of this machine
 //! on that day.
 //!
-//! Arguments: `--record` also writes `benches/record/<bench>.csv`; a word restricts the races to those whose name
+//! Arguments: `--record` also writes `benches/record/<bench>.csv` (see `record.rs`); a word restricts the races to those whose name
 //! contains it; without cargo's `--bench` (as under `cargo test`) each contestant runs once, only to show that it does.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
+mod record;
+
 use cpu_time::ProcessTime;
-use specula::bench::machine::Machine;
 use specula::bench::race::{Spread, interleave};
 use std::convert::Infallible;
 use std::fmt::Write as _;
 use std::hint::black_box;
-use std::path::Path;
-use std::process::Command;
 
 /// Passes that count; one more warms up.
 const PASSES: usize = 25;
@@ -113,17 +112,7 @@ impl Bench {
         if !self.record {
             return Ok(());
         }
-        let machine = Machine::here();
-        let mut text = String::from("# ");
-        text += &[
-            format!("machine: {}", machine.name()),
-            format!("rustc: {}", machine.build.rustc),
-            format!("commit: {}", said("git", &["describe", "--always", "--dirty"])),
-            format!("date: {}", said("date", &["-u", "+%F"])),
-            format!("passes: {}", self.passes),
-        ]
-        .join("; ");
-        text += "\nrace,contestant,unit,items_per_cpu_s,ratio,ratio_spread";
+        let mut text = String::from("race,contestant,unit,items_per_cpu_s,ratio,ratio_spread");
         // Of all rows alike.
         for (what, _) in self.rows.iter().take(1).flat_map(|row| &row.figures) {
             let _ = write!(text, ",{what}");
@@ -138,12 +127,7 @@ impl Bench {
             }
             text.push('\n');
         }
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record");
-        std::fs::create_dir_all(&folder)?;
-        let file = folder.join(format!("{}.csv", self.name));
-        std::fs::write(&file, text)?;
-        println!("\nrecorded in {}", file.display());
-        Ok(())
+        record::record(self.name, self.passes, &text)
     }
 }
 
@@ -165,10 +149,4 @@ impl<'a> Race<'a> {
         self.contestants.last_mut().expect("a contestant").figures = figures;
         self
     }
-}
-
-/// What a command prints, on one line; nothing if there is no such command.
-fn said(program: &str, arguments: &[&str]) -> String {
-    let output = Command::new(program).args(arguments).current_dir(env!("CARGO_MANIFEST_DIR")).output();
-    output.map(|output| String::from_utf8_lossy(&output.stdout).trim().replace(',', " ")).unwrap_or_default()
 }

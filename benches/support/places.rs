@@ -4,10 +4,18 @@
 
 use crate::peers;
 use crate::terrain;
+use specula::accel::embree::{BuildOptions, Config};
+use specula::geometry::{Shape, World};
 use specula::scene::{self, Scene};
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Embree as pictures use it, with the instruction sets that the environment allows.
+pub(crate) fn embree() -> BuildOptions {
+    BuildOptions { device: Config::from_env(), ..BuildOptions::default() }
+}
 
 /// A scene by the text of its file.
 pub(crate) fn of_text(text: &str) -> Result<Scene, Box<dyn Error>> {
@@ -32,30 +40,27 @@ pub(crate) fn peer(name: &str, render: &str, size: u32) -> Result<Option<Scene>,
 
 /// A landscape of `2 * cells * cells` matt triangles under sun and sky, with a table `render` and `size` by `size` pixels.
 pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene, Box<dyn Error>> {
-    let folder = tempfile::tempdir()?;
-    let mesh = terrain::terrain(cells);
-    let mut obj = String::new();
-    for p in mesh.positions().iter() {
-        writeln!(obj, "v {} {} {}", p.x, p.y, p.z).expect("memory");
-    }
-    for t in mesh.triangles().iter() {
-        let [a, b, c] = t.map(|i| i + 1);
-        writeln!(obj, "f {a} {b} {c}").expect("memory");
-    }
-    std::fs::write(folder.path().join("terrain.obj"), obj)?;
     let (eye, at) = terrain::view();
+    let folder = tempfile::tempdir()?;
+    let file = folder.path().join("scene.toml");
     let text = format!(
         "[camera]\nfrom = {:?}\nat = {:?}\nvfov_deg = 50.0\n[film]\nwidth = {size}\nheight = {size}\n\
          filter = \"box\"\n[render]\n{render}\n[materials.rock]\ntype = \"diffuse\"\nreflectance = 0.6\n\
-         [[shapes]]\ntype = \"mesh\"\nfile = \"terrain.obj\"\nnormals = \"flat\"\nmaterial = \"rock\"\n\
+         [[shapes]]\ntype = \"mesh\"\nfile = \"stand_in.obj\"\nnormals = \"flat\"\nmaterial = \"rock\"\n\
          [[lights]]\ntype = \"directional\"\ndirection = [1.0, -0.6, -0.4]\nirradiance = 3.0\n\
          [[lights]]\ntype = \"environment\"\nradiance = [0.3, 0.4, 0.6]\n",
         eye.to_array(),
         at.to_array(),
     );
-    let file = folder.path().join("scene.toml");
     std::fs::write(&file, text)?;
-    Ok(scene::build(&scene::load(&file, &[])?.description)?.scene)
+    std::fs::write(folder.path().join("stand_in.obj"), "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n")?;
+    let mut scene = scene::build(&scene::load(&file, &[])?.description)?.scene;
+    // Ten million triangles take minutes by way of text.
+    let mut world = World::clone(&scene.world);
+    let [mesh] = &mut world.shapes[..] else { return Err("a landscape is one shape".into()) };
+    *mesh = Shape::Mesh(terrain::terrain(cells));
+    scene.world = Arc::new(world);
+    Ok(scene)
 }
 
 /// A furnished room of 270 000 triangles, all matt, lit through its windows; `None`, with a printed line, where its files are

@@ -130,7 +130,8 @@ impl Contestant {
         match self {
             Self::Embree(scene) => {
                 let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-                let options = BuildOptions { device: Config { threads, ..Config::default() }, scene: *scene };
+                let options =
+                    BuildOptions { device: Config { threads, ..Config::from_env() }, scene: *scene };
                 let go_on = |_| go_on(is_cancelled);
                 let accel =
                     EmbreeAccel::build_with(world, &options, &go_on).map_err(|error| match error {

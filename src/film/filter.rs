@@ -184,7 +184,6 @@ impl Lobe {
     }
 
     /// The offset below which `share` of the lobe lies; in [0, 1), anything where it is not.
-    #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "4096 is exact")]
     #[inline(always)]
     fn at<F: Lanes>(&self, share: F) -> F {
         let position = share * Self::PIECES as f32;

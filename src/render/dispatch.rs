@@ -93,7 +93,8 @@ fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
 
 fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-    let options = BuildOptions { device: Config { threads, ..Config::default() }, ..BuildOptions::default() };
+    let options =
+        BuildOptions { device: Config { threads, ..Config::from_env() }, ..BuildOptions::default() };
     let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
         EmbreeError::Cancelled => Error::Interrupted,

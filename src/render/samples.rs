@@ -119,7 +119,7 @@ impl<S: Isa> Kernel<S> for Begin<'_> {
                 let index = Wrapping::<u32>::wrapping_add(isa.iota(), first.index + skipped);
                 let sampler = plan.start(pixel, index);
                 let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
-                let taken = (count - skipped).min(S::WIDTH as u32) as usize;
+                let taken = ((count - skipped) as usize).min(S::WIDTH);
                 weight.store(&mut weights[to..]);
                 wave.begin(isa, taken, (pixel, index), (o, d, time));
                 to += taken;

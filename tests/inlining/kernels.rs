@@ -2,13 +2,9 @@
 //!
 //! Each is a function of its own per instruction set, out of line: in one piece they would take minutes to compile.
 
+use crate::one_of_each::{each_lobe, lobes};
 use specula::bsdf::choice::{Answer, Question, answer};
-use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
-use specula::bsdf::{
-    Below, Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, Lobe, Metal,
-    Mirror, OrenNayar, Over, Phong, PhongScale, RoughConductor, RoughDielectric, Schlick, Spread,
-    ThinDielectric,
-};
+use specula::bsdf::{Bsdf, Lobe, Spread};
 use specula::light::{Light, LightSample, Reference};
 use specula::math::lanes::{IntLanes, Isa, Kernel, Lanes, Level, MaskLanes};
 use specula::math::{Rgb, Vec3};
@@ -99,26 +95,6 @@ fn numbers<S: Isa>(isa: S, kind: SamplerKind, pixel: [S::I; 2], index: S::I) -> 
     isa.run(Numbers(kind, pixel, index))
 }
 
-/// Runs an expression for the lobe within.
-macro_rules! each {
-    ($bsdf:expr, $lobe:ident => $body:expr) => {
-        match $bsdf {
-            Bsdf::Diffuse($lobe) => $body,
-            Bsdf::OrenNayar($lobe) => $body,
-            Bsdf::Mirror($lobe) => $body,
-            Bsdf::Conductor($lobe) => $body,
-            Bsdf::RoughConductor($lobe) => $body,
-            Bsdf::Dielectric($lobe) => $body,
-            Bsdf::RoughDielectric($lobe) => $body,
-            Bsdf::ThinDielectric($lobe) => $body,
-            Bsdf::Glossy($lobe) => $body,
-            Bsdf::Phong($lobe) => $body,
-            Bsdf::Jitter($lobe) => $body,
-            Bsdf::Glazed($lobe) => $body,
-            Bsdf::Schlick($lobe) => $body,
-        }
-    };
-}
 /// Everything, by way of the functions above.
 pub(crate) struct Everything<'a> {
     pub(crate) lobes: &'a [Bsdf<f32>],
@@ -141,7 +117,7 @@ impl<S: Isa> Kernel<S> for Everything<'_> {
         for lobe in self.lobes {
             let lobe = lobe.spread(x);
             let (told, asked) =
-                each!(lobe, lobe => (ask(isa, &lobe, question), value(isa, &lobe, [wo, light])));
+                each_lobe!(lobe, lobe => (ask(isa, &lobe, question), value(isa, &lobe, [wo, light])));
             sum = sum + told.lit.r + told.step.pdf + told.step.weight.g + asked.b;
         }
         for (_, one) in self.lights {
@@ -161,35 +137,8 @@ fn samplers() -> [SamplerKind; 4] {
     ]
 }
 
-/// One of each kind; those that hold a distribution, twice.
-pub(crate) fn lobes() -> Vec<Bsdf<f32>> {
-    let gray = Rgb::gray(0.5_f32);
-    let base = Diffuse { reflectance: gray };
-    let (metal, glass) = (Metal::new(FresnelModel::Exact, gray, gray), Glass::exact(1.5_f32));
-    let [long, short]: [Distribution<f32>; 2] =
-        [Ggx { alpha_x: 0.1, alpha_y: 0.2 }.into(), Beckmann { alpha_x: 0.1, alpha_y: 0.2 }.into()];
-    let glossy = Glossy { reflectance: gray, exponent: 20.0, below: Below::Rejection };
-    let phong = Phong { reflectance: gray, exponent: 20.0, scale: PhongScale::MaxCosine };
-    vec![
-        Bsdf::Diffuse(base),
-        Bsdf::OrenNayar(OrenNayar { reflectance: gray, roughness: 0.5 }),
-        Bsdf::Mirror(Mirror { reflectance: gray }),
-        Bsdf::Conductor(Conductor { metal }),
-        Bsdf::RoughConductor(RoughConductor { metal, facets: long }),
-        Bsdf::RoughConductor(RoughConductor { metal, facets: short }),
-        Bsdf::Dielectric(Dielectric { glass }),
-        Bsdf::RoughDielectric(RoughDielectric { glass, facets: long }),
-        Bsdf::RoughDielectric(RoughDielectric { glass, facets: short }),
-        Bsdf::ThinDielectric(ThinDielectric { glass, transmittance: gray }),
-        Bsdf::Glossy(Over { lobe: glossy, base }),
-        Bsdf::Phong(Over { lobe: phong, base }),
-        Bsdf::Jitter(Over { lobe: Jitter { reflectance: gray, exponent: 20.0 }, base }),
-        Bsdf::Glazed(Coat::new(FresnelModel::Exact, 1.5).over(gray)),
-        Bsdf::Schlick(Schlick::new(gray, 0.5, 0.5)),
-    ]
-}
-
 /// Runs them all at one width.
 pub(crate) fn everything(level: Level, lights: &[(&'static str, Light)]) -> f32 {
-    level.run(Everything { lobes: &lobes(), lights })
+    let lobes: Vec<_> = lobes().into_iter().map(|(_, lobe)| lobe).collect();
+    level.run(Everything { lobes: &lobes, lights })
 }

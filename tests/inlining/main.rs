@@ -13,6 +13,8 @@ use specula::math::lanes::Level;
 mod kernels;
 #[path = "../support/lights.rs"]
 mod lights;
+#[path = "../support/one_of_each.rs"]
+mod one_of_each;
 #[path = "../../benches/lanes/shading.rs"]
 mod shading;
 

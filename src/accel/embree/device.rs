@@ -1,6 +1,7 @@
 //! The device: configuration, errors, memory in use, and what the library can do.
 
 use super::error::{EmbreeError, ErrorLog};
+use crate::math::lanes::VARIABLE;
 use embree4_sys as sys;
 use std::ffi::{CString, c_void};
 use std::fmt;
@@ -42,6 +43,22 @@ impl Isa {
         None
     }
 
+    /// What the environment holds Embree to, so that a machine can stand for a weaker one: AVX2 where [`VARIABLE`] asks for `avx2`,
+    /// SSE4.2 where it asks for `portable`.
+    #[must_use]
+    pub fn from_env() -> Option<Self> {
+        Self::beside(&std::env::var(VARIABLE).ok()?)
+    }
+
+    /// What goes with our own kernels of that name.
+    fn beside(level: &str) -> Option<Self> {
+        match level {
+            "avx2" => Some(Self::Avx2),
+            "portable" => Some(Self::Sse42),
+            _ => None,
+        }
+    }
+
     /// The name in Embree's configuration.
     #[must_use]
     pub fn name(self) -> &'static str {
@@ -67,6 +84,14 @@ pub struct Config {
     pub max_isa: Option<Isa>,
     /// Whether to ask for huge pages; left to Embree if absent.
     pub huge_pages: Option<bool>,
+}
+
+impl Config {
+    /// All of the machine that the environment allows (see [`Isa::from_env`]).
+    #[must_use]
+    pub fn from_env() -> Self {
+        Self { max_isa: Isa::from_env(), ..Self::default() }
+    }
 }
 
 impl fmt::Display for Config {
@@ -227,6 +252,7 @@ unsafe extern "C" fn count_bytes(counter: *mut c_void, bytes: isize, _post: bool
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::lanes::Level;
 
     #[test]
     fn the_configuration_is_written_as_embree_reads_it() {
@@ -243,6 +269,15 @@ mod tests {
         assert!(device.is_native_width(device.native_width()), "native width is native");
         assert!(!device.is_native_width(5), "no packets of five");
         println!("Embree {} with {:?}, width {}", device.version(), device.isa(), device.native_width());
+    }
+
+    #[test]
+    fn embree_goes_with_our_own_kernels() {
+        for level in Level::available() {
+            let held = Isa::beside(level.name());
+            let weaker = held.is_some_and(|isa| isa <= Isa::Avx2);
+            assert_eq!(weaker, ["avx2", "portable"].contains(&level.name()), "{held:?} with {level:?}");
+        }
     }
 
     #[test]

@@ -91,9 +91,9 @@ fearless_simd::kernel!(
         let three: __m128i = _mm_set_epi32(0, -1, -1, -1);
         macro_rules! row {
             ($lane:literal) => {{
+                let from = numbers.wrapping_add(3 * at[$lane] as usize);
                 // SAFETY: the three numbers that are read are a row of the table.
-                let row: __m128 =
-                    unsafe { _mm_maskload_ps(numbers.wrapping_add(3 * at[$lane] as usize), three) };
+                let row: __m128 = unsafe { _mm_maskload_ps(from, three) };
                 row
             }};
         }
@@ -135,9 +135,9 @@ fearless_simd::kernel!(
         let numbers = table.as_flattened().as_ptr();
         macro_rules! row {
             ($lane:literal) => {{
+                let from = numbers.wrapping_add(3 * at[$lane] as usize);
                 // SAFETY: the three numbers that are read are a row of the table.
-                let row: __m128 =
-                    unsafe { _mm_maskz_loadu_ps(0b111, numbers.wrapping_add(3 * at[$lane] as usize)) };
+                let row: __m128 = unsafe { _mm_maskz_loadu_ps(0b111, from) };
                 row
             }};
         }

@@ -6,7 +6,8 @@ use std::fmt;
 use super::{Avx2, Avx512};
 use super::{Isa, Kernel, Portable, Scalar};
 
-/// The environment variable that asks for an instruction set: `scalar`, `portable`, `avx2` or `avx512`.
+/// The environment variable that asks for an instruction set: `scalar`, `portable`, `avx2` or `avx512`. With `avx2` and
+/// `portable` Embree is held to what such machines have, too.
 pub const VARIABLE: &str = "SPECULA_ISA";
 
 /// An instruction set this machine has. Hold one and run all kernels with it.

@@ -1,7 +1,9 @@
 //! Pairs of numbers of every kind of sampler, as the renderer asks for them.
 
-use specula::math::lanes::{Isa, Kernel, Lanes, Wrapping};
+use crate::support::Race;
+use specula::math::lanes::{Isa, Kernel, Lanes, Level, Wrapping};
 use specula::sampling::{Dim, Sampler, SamplerKind, Vertex};
+use std::hint::black_box;
 
 /// Samples of a pixel.
 const SPP: u32 = 64;
@@ -16,10 +18,25 @@ pub(crate) const KINDS: [(&str, SamplerKind); 6] = [
     ("stratified 67", SamplerKind::Stratified { spp: 67 }),
 ];
 
+/// Pairs of a pass: whole pixels for sixteen lanes.
+const PAIRS: usize = 1 << 18;
+
+/// All levels beside each other; the first one draws for one pixel at a time.
+pub(crate) fn race(name: &str, kind: SamplerKind) -> Race<'static> {
+    Level::available().into_iter().fold(
+        Race::new(format!("sampler {name}"), PAIRS, "pairs"),
+        |race, level| {
+            race.with(level.name(), move || {
+                u64::from(level.run(Draw { kind: black_box(kind), pairs: PAIRS }).to_bits())
+            })
+        },
+    )
+}
+
 /// The sum of `pairs` pairs: for neighbouring pixels in the lanes, sample after sample, four purposes each.
-pub(crate) struct Draw {
-    pub(crate) kind: SamplerKind,
-    pub(crate) pairs: usize,
+struct Draw {
+    kind: SamplerKind,
+    pairs: usize,
 }
 
 impl<S: Isa> Kernel<S> for Draw {
