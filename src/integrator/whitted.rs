@@ -20,6 +20,7 @@
 use crate::accel::Accel;
 use crate::bsdf::{Branch, BsdfSample, Part};
 use crate::geometry::{Hit, Interaction, Ray};
+use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
@@ -58,6 +59,8 @@ pub(crate) struct Node {
     vertex: Vertex,
     media: Media,
     drawn: Option<Drawn>,
+    /// About the ray, where any surface shows a picture.
+    cone: Cone<f32>,
 }
 
 /// How a glossy branch was drawn; what it meets by chance is shared with asking lights.
@@ -103,6 +106,7 @@ impl Integrator for Whitted {
     ) -> Radiance {
         worker.counters.camera += 1;
         let CameraRay { ray, found } = *camera;
+        let beam = Beam::of(stage.scene);
         let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
         worker.pending.push(Node {
             ray,
@@ -114,10 +118,11 @@ impl Integrator for Whitted {
             vertex: Vertex::ROOT,
             media: stage.eye_media,
             drawn: None,
+            cone: beam.map_or(Cone::NONE, |beam| beam.start(0.0)),
         });
         while let Some(node) = worker.pending.pop() {
             let vertex = node.vertex;
-            let hit = self.follow(stage, node, sampler, worker, &mut result.color);
+            let hit = self.follow((stage, beam), node, sampler, worker, &mut result.color);
             if vertex == Vertex::ROOT && hit {
                 result.alpha = 1.0;
             }
@@ -130,7 +135,7 @@ impl Whitted {
     /// Adds what one branch brings and pushes those that go on from it. Whether it hit a surface.
     fn follow<A: Accel, S: Sampler<I = u32>>(
         &self,
-        stage: &Stage<'_, A>,
+        (stage, beam): (&Stage<'_, A>, Option<Beam>),
         mut node: Node,
         sampler: &S,
         worker: &mut Worker,
@@ -147,7 +152,12 @@ impl Whitted {
         if emitted != Rgb::BLACK {
             *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
         }
-        let Some(mix) = material.bsdf(it.uv.into(), eta) else { return true };
+        let length = it.p.distance(node.start);
+        let spot = match beam {
+            Some(_) => node.cone.spot(scene, &it, length),
+            None => it.uv.to_array().into(),
+        };
+        let Some(mix) = material.bsdf(spot, eta) else { return true };
         let shading = Shading::at(&it, tangent(scene, &it, material));
         let media = [node.media.current(), beyond.current()];
         let counts = self.splitting.at(node.depth);
@@ -155,7 +165,8 @@ impl Whitted {
         if node.depth < self.max_depth {
             *sum += node.beta * direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
         }
-        let at = At { stage, node: &node, it: &it, shading, eta, beyond };
+        let at =
+            At { stage, node: &node, it: &it, shading, eta, beyond, beam: beam.map(|beam| (beam, length)) };
         for (index, part) in (0..).zip(mix.parts()) {
             self.push_specular(&at, part, index, worker);
             self.push_glossy(&at, &receiver, (index, part), sampler, worker);
@@ -187,6 +198,7 @@ impl Whitted {
                 vertex: at.child(index, if branch.transmission { REFRACTED } else { REFLECTED }),
                 media: if branch.transmission { at.beyond } else { at.node.media },
                 drawn: None,
+                cone: at.cone(0.0),
             };
             if self.push(child, worker) {
                 let kind = if branch.transmission {
@@ -257,12 +269,19 @@ struct At<'a, A> {
     eta: f32,
     /// The media behind the surface.
     beyond: Media,
+    /// What the widths of rays follow from, and the length of the ray that came; where surfaces show pictures.
+    beam: Option<(Beam, f32)>,
 }
 
 impl<A: Accel> At<'_, A> {
     /// The node at the end of a way on from the part `index` of a mix.
     fn child(&self, index: u32, way: u32) -> Vertex {
         self.node.vertex.child(index * WAYS + way)
+    }
+
+    /// The cone about a way on that was drawn with this density.
+    fn cone(&self, pdf: f32) -> Cone<f32> {
+        self.beam.map_or(Cone::NONE, |(beam, length)| beam.scattered(self.node.cone, length, pdf))
     }
 
     /// The branch along sample `j` of a part's glossy lobe, on either side; `None` where there is no way on.
@@ -292,6 +311,7 @@ impl<A: Accel> At<'_, A> {
             vertex: nth(self.child(index, way), j, counts.glossy),
             media: if through { self.beyond } else { self.node.media },
             drawn: Some(Drawn { from: receiver.reference(through), pdf, counts }),
+            cone: self.cone(pdf),
         })
     }
 }
@@ -328,6 +348,7 @@ fn arrive<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, worker: &mut Worker) 
             }
             Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
                 node.media = beyond;
+                node.cone.width = node.cone.width_at(it.p.distance(node.start));
                 node.ray = it.spawn(node.ray.d);
                 node.start = it.p;
                 // Shadow rays give such surfaces no pass, so that nothing is left to share.

@@ -10,6 +10,7 @@ pub use scattering::{Facets, Layer, Scattering};
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
+use crate::texture::Spot;
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -74,10 +75,10 @@ impl Material {
         }
     }
 
-    /// How the surface scatters at surface parameters `uv`; absent for black ones. `eta` is the index of
+    /// How the surface scatters at a spot; absent for black ones. `eta` is the index of
     /// the far side over that of the near side, and matters to dielectrics only.
     #[inline(always)]
-    pub fn bsdf<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Mix<F>> {
-        self.scattering.bsdf(uv, eta)
+    pub fn bsdf<F: Lanes>(&self, spot: impl Into<Spot<F>>, eta: F) -> Option<Mix<F>> {
+        self.scattering.bsdf(spot.into(), eta)
     }
 }

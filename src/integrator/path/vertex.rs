@@ -8,6 +8,7 @@ use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, answer};
 use crate::bsdf::{Lobe, with_lobe};
 use crate::geometry::{PlacementId, spawn};
+use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
 use crate::integrator::{Counters, Stage};
 use crate::light::{Emitter, Light, LightId, LightSample, Reference};
@@ -33,6 +34,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) media: bool,
     /// Whether any surface is not the same in all directions.
     pub(super) turns: bool,
+    /// Where surfaces show pictures: what the widths of rays follow from.
+    pub(super) beam: Option<Beam>,
 }
 
 /// One chunk of paths at the ends of their rays.
@@ -62,7 +65,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
         let Wave { paths, shadows, guards, slots } = wave;
         let lanes = State::load(isa, paths, at);
-        let met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
+        let mut met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
         if met.hit.none() {
             return 0;
@@ -70,6 +73,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if depth == 1 {
             slots.meet(met.hit, lanes.slot);
         }
+        let cone = around.beam.map(|beam| lanes.cone(isa, (paths, at), (beam, depth), &mut met));
         shine(isa, around, slots, (&lanes, &met), packet);
         if depth >= around.max_depth {
             return 0;
@@ -109,6 +113,9 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if around.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
         }
+        if let (Some(beam), Some((cone, length))) = (around.beam, cone) {
+            paths.widen(to, next.goes, beam.scattered(cone, length, next.pdf));
+        }
         next.store(paths, to, &lanes)
     }
 }
@@ -135,6 +142,21 @@ impl<S: Isa> State<S> {
             pdf: paths.pdf.load(isa, at),
             slot: rays.slot.load(isa, at),
         }
+    }
+
+    /// The cones about the rays and their lengths; how wide they are on the surfaces is noted.
+    #[inline(always)]
+    fn cone(
+        &self,
+        isa: S,
+        (paths, at): (&Paths, usize),
+        (beam, depth): (Beam, u32),
+        met: &mut Met<S>,
+    ) -> (Cone<S::F>, S::F) {
+        let cone = if depth == 1 { beam.start(isa.splat(0.0)) } else { paths.cone(isa, at) };
+        let length = (met.points.p - self.o).length();
+        met.footprint = cone.footprint(length, self.d.dot(met.points.ng), met.points.density);
+        (cone, length)
     }
 }
 
@@ -376,7 +398,7 @@ fn of_material<S: Isa>(
 ) -> Answer<S::F> {
     match scattering {
         Scattering::Mix(layers) => of_layers(isa, layers, (met, eta), question),
-        single => match single.single(met.points.uv, eta) {
+        single => match single.single(met.spot(), eta) {
             Some(bsdf) => with_lobe!(&bsdf, lobe => ask(isa, lobe, question)),
             None => Answer::black(question.wo),
         },
@@ -402,7 +424,7 @@ fn of_layers<S: Isa>(
         if share_of(layer) <= 0.0 {
             continue;
         }
-        let Some(bsdf) = layer.scattering.single(met.points.uv, eta) else { continue };
+        let Some(bsdf) = layer.scattering.single(met.spot(), eta) else { continue };
         let chosen = question.choice.ge(at);
         let inverse = 1.0 / probability;
         // What is left of the number is as good as new within the layer.

@@ -13,6 +13,7 @@ mod shapes;
 mod shutter;
 mod steps;
 mod surfaces;
+mod textures;
 mod way;
 
 use crate::bsdf::FresnelModel;
@@ -26,6 +27,7 @@ use crate::scene::frozen::Surface;
 use origin::Origin;
 use shutter::Shutter;
 use std::sync::Arc;
+use textures::Textures;
 
 /// A scene, and what was odd about its files.
 #[derive(Debug)]
@@ -54,6 +56,7 @@ pub fn build(description: &Description) -> Result<Built> {
     let scene = Scene {
         world: Arc::new(builder.world),
         materials: builder.materials,
+        textures: builder.textures.into_bitmaps(),
         lights: builder.lights,
         camera,
         origin: origin.0,
@@ -81,6 +84,7 @@ struct Builder {
     material_names: Vec<String>,
     lights: Vec<Light>,
     environment: Option<LightId>,
+    textures: Textures,
     problems: Problems,
     warnings: Vec<Problem>,
 }

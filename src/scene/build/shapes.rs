@@ -222,7 +222,9 @@ impl Builder {
     }
 
     fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {
+        self.textures.lenient = true;
         let material = self.material(&named.value);
+        self.textures.lenient = false;
         self.add_material(material)
     }
 

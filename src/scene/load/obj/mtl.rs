@@ -137,7 +137,9 @@ fn scattering(said: &tobj::Material) -> Scattering {
     }
     let kd = Texture::Constant(kd);
     match (ks, exponent) {
-        (Some(reflectance), _) if mirror => Scattering::Mirror { reflectance },
+        (Some(reflectance), _) if mirror => {
+            Scattering::Mirror { reflectance: Texture::Constant(reflectance) }
+        }
         (Some(reflectance), Some(exponent)) if highlight => Scattering::glossy(exponent, reflectance, kd),
         _ => Scattering::Diffuse { reflectance: kd },
     }
@@ -234,8 +236,8 @@ mod tests {
             ("Tr 0.75\nNi 1.25", glass(1.25)),
             ("illum 7\nNi 2.4", glass(2.4)),
             ("Tf 1 0.5 1\nNi 1.33", glass(1.33)),
-            ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Rgb::gray(0.75) }),
-            ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Rgb::WHITE }),
+            ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Texture::gray(0.75) }),
+            ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Texture::gray(1.0) }),
             ("Kd 0.25\nKs 1\nNs 10\nillum 1", matt(0.25)),
             ("Kd 0.25\nKs 1\nNs 10\nillum 0", matt(0.25)),
             ("Kd 0.25\nPr 1\nPm 0\nPs 0.5\nPcr 0.1\naniso 0.5", matt(0.25)),
