@@ -1,18 +1,18 @@
 //! Pictures on surfaces: what they show and where, at every width, with every integrator and backend, and what becomes of files
 //! that are not what they should be.
 
+#[path = "support/folder.rs"]
+mod folder;
 #[path = "support/random.rs"]
 mod random;
 
-use image::{GrayImage, Luma, RgbImage, RgbaImage};
+use folder::{Folder, WAYS, close, picture, square};
+use image::{RgbImage, RgbaImage};
 use random::Random;
-use specula::image::{Image, Pixels, Raster, read_raster};
+use specula::image::{Pixels, Raster, read_raster};
 use specula::math::Rgb;
 use specula::math::lanes::{Isa, Kernel, Lanes, Level};
-use specula::render::{Settings, Silent, render};
-use specula::scene::{self, Scene};
 use specula::texture::{Bitmap, Channel, Mapped, Scalar, Space, Spot, Texture, Wrap};
-use std::path::Path;
 use std::sync::Arc;
 
 const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
@@ -193,82 +193,6 @@ fn factors_and_limits_apply() {
         let found: f32 = scalar.at([0.25_f32, 0.75]);
         assert!((found - expected).abs() < 1e-6, "{channel:?}: {found}");
     }
-}
-
-/// A scene file in a folder of its own, with pictures beside it.
-struct Folder(tempfile::TempDir);
-
-impl Folder {
-    fn new() -> Self {
-        let folder = Self(tempfile::tempdir().expect("a folder"));
-        let corners = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255, 255, 255]];
-        // Each quarter one colour: 16 by 16 texels, so that edges are narrow.
-        let quarters = RgbImage::from_fn(16, 16, |x, y| image::Rgb(corners[(x / 8 + y / 8 * 2) as usize]));
-        quarters.save(folder.path().join("four.png")).expect("written");
-        GrayImage::from_pixel(4, 4, Luma([128])).save(folder.path().join("gray.png")).expect("written");
-        folder
-    }
-
-    fn path(&self) -> &Path {
-        self.0.path()
-    }
-
-    fn load(&self, text: &str) -> Result<scene::Built, String> {
-        let path = self.path().join("scene.toml");
-        std::fs::write(&path, text).expect("a scene file");
-        let loaded = scene::load(&path, &[]).map_err(|error| error.to_string())?;
-        scene::build(&loaded.description).map_err(|error| error.to_string())
-    }
-
-    fn scene(&self, text: &str) -> Scene {
-        self.load(text).unwrap_or_else(|error| panic!("{error}")).scene
-    }
-}
-
-/// A square of the material `m` that fills the picture, x to the right and y up, in white light from all around.
-fn square(render: &str, material: &str) -> String {
-    format!(
-        r#"
-        [camera]
-        from = [0.0, 0.0, 10.0]
-        at = [0.0, 0.0, 0.0]
-        vfov_deg = 11.421186
-        [film]
-        width = 16
-        height = 16
-        filter = "box"
-        [render]
-        {render}
-        [materials.m]
-        {material}
-        [[shapes]]
-        type = "rectangle"
-        edge_u = [1.0, 0.0, 0.0]
-        edge_v = [0.0, 1.0, 0.0]
-        material = "m"
-        [[lights]]
-        type = "environment"
-        radiance = 1.0
-        "#
-    )
-}
-
-const WAYS: [&str; 4] = [
-    "integrator = \"path\"\nmax_depth = 2\nquery = \"single\"\nspp = 16",
-    "integrator = \"path\"\nmax_depth = 2\nquery = \"stream\"\nspp = 16",
-    "integrator = \"whitted\"\nquery = \"single\"\nspp = 16",
-    "integrator = \"whitted\"\nquery = \"stream\"\nspp = 16",
-];
-
-fn picture(scene: &Scene) -> Image {
-    let film = render(scene, &Settings::default(), &Silent).expect("a picture").film;
-    assert_eq!(film.non_finite().count(), 0, "samples that are not finite");
-    film.image()
-}
-
-fn close(a: Rgb<f32>, b: Rgb<f32>, tolerance: f32) -> bool {
-    let d = a - b;
-    d.r.abs().max(d.g.abs()).max(d.b.abs()) <= tolerance
 }
 
 #[test]

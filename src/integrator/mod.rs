@@ -8,6 +8,7 @@ mod counters;
 mod deferred;
 mod direct;
 mod path;
+mod relief;
 mod shading;
 mod splitting;
 mod view;

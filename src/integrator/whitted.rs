@@ -24,7 +24,9 @@ use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, tangent};
+use crate::integrator::{
+    CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, relief, tangent,
+};
 use crate::light::Reference;
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
@@ -146,7 +148,7 @@ impl Whitted {
             *sum += node.beta * environment(stage, &node);
             return false;
         };
-        let Arrival { it, eta, beyond } = arrival;
+        let Arrival { mut it, eta, beyond } = arrival;
         let (_, material) = scene.material(&it);
         let emitted = material.emitted(it.is_front());
         if emitted != Rgb::BLACK {
@@ -157,6 +159,9 @@ impl Whitted {
             Some(_) => node.cone.spot(scene, &it, length),
             None => it.uv.to_array().into(),
         };
+        if let Some(ns) = relief::normal(scene, &it, material, spot) {
+            it.ns = ns;
+        }
         let Some(mix) = material.bsdf(spot, eta) else { return true };
         let shading = Shading::at(&it, tangent(scene, &it, material));
         let media = [node.media.current(), beyond.current()];

@@ -1,16 +1,18 @@
 //! Textures and numbers that make a BSDF at an interaction.
 
 pub mod conductors;
+mod cut_out;
 mod media;
 mod scattering;
 
+pub use cut_out::CutOut;
 pub use media::{Crossing, Media};
 pub use scattering::{Facets, Layer, Scattering};
 
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::Spot;
+use crate::texture::{NormalMap, Scalar, Spot};
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -42,6 +44,10 @@ pub struct Material {
     pub scattering: Scattering,
     /// The light it gives off.
     pub emission: Option<Emission>,
+    /// Its relief.
+    pub normal_map: Option<NormalMap>,
+    /// How much of it is there: below a half there is a hole.
+    pub opacity: Option<Scalar>,
 }
 
 /// Light that a surface gives off.
@@ -58,6 +64,18 @@ impl Material {
     #[must_use]
     pub fn medium(&self) -> Option<&Medium> {
         self.scattering.medium()
+    }
+
+    /// Whether it shows any picture, or asks one for its normal.
+    #[must_use]
+    pub fn has_images(&self) -> bool {
+        self.scattering.has_images() || self.normal_map.is_some()
+    }
+
+    /// Whether anything of it changes over the surface parameters.
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        self.scattering.is_textured() || self.normal_map.is_some()
     }
 
     /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.

@@ -120,6 +120,24 @@ record! {
     }
 }
 
+record! {
+    /// A picture of normals in tangent space: red, green and blue from 0 to 1 are -1 to 1 along u, along v and outwards.
+    pub struct NormalMap {
+        /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
+        file: Located<PathBuf>, file(RASTERS);
+        /// What the lean along u and v is multiplied by.
+        strength: f32 = 1.0, min(0.0), max(100.0);
+        /// Whether green counts against v, as some programs write it.
+        flip_y: bool = false;
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1.
+        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+    }
+}
+
 choice! {
     /// What the numbers of a picture stand for.
     pub enum Space {
@@ -496,13 +514,17 @@ record! {
     pub struct Material {
         /// Radiance it gives off besides, on the side of its normals.
         emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0), max(1e20);
+        /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
+        normal_map: Option<NormalMap>;
+        /// Holes: where this is below 0.5 there is no surface. For materials that do not shine.
+        opacity: Option<ScalarTexture>;
         ..scattering: Scattering, "What it does with light.";
     }
 }
 
 impl From<Scattering> for Material {
     fn from(scattering: Scattering) -> Self {
-        Self { emission: Rgb::BLACK, scattering }
+        Self { emission: Rgb::BLACK, normal_map: None, opacity: None, scattering }
     }
 }
 

@@ -5,10 +5,12 @@
 
 mod bitmap;
 mod mapped;
+mod normal_map;
 mod scalar;
 
 pub use bitmap::{Bitmap, Space};
 pub use mapped::{Channel, Mapped, Wrap};
+pub use normal_map::NormalMap;
 pub use scalar::Scalar;
 
 use crate::math::Rgb;

@@ -10,13 +10,14 @@ use crate::bsdf::{Lobe, with_lobe};
 use crate::geometry::{PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
-use crate::integrator::{Counters, Stage};
+use crate::integrator::{Counters, Stage, relief};
 use crate::light::{Emitter, Light, LightId, LightSample, Reference};
 use crate::material::{Layer, Material, Media, Scattering};
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
+use crate::texture::Spot;
 
 /// What is the same for all vertices of a rendering.
 #[derive(Debug)]
@@ -77,6 +78,9 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         shine(isa, around, slots, (&lanes, &met), packet);
         if depth >= around.max_depth {
             return 0;
+        }
+        if around.surfaces.reliefs {
+            met.points.ns = relieved(isa, around.scene, packet, &met);
         }
         let wo = -lanes.d;
         let normals = [met.points.ng, met.points.ns];
@@ -243,6 +247,40 @@ fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
         }
     }
     Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+}
+
+/// Shading normals, those of surfaces with a relief turned as it says: one by one, as tangents.
+#[inline(always)]
+fn relieved<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, met: &Met<S>) -> Vec3<S::F> {
+    let ns = met.points.ns;
+    let mut rows = [[0.0; WIDEST]; 3];
+    ns.x.store(&mut rows[0]);
+    ns.y.store(&mut rows[1]);
+    ns.z.store(&mut rows[2]);
+    let mut bits = met.hit.bits();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let material = &scene.materials[met.materials.extract(lane) as usize];
+        if material.normal_map.is_none() {
+            continue;
+        }
+        if let Some(ns) = relief_of(scene, (packet, lane), material, met.footprint.extract(lane)) {
+            [rows[0][lane], rows[1][lane], rows[2][lane]] = ns.to_array();
+        }
+    }
+    Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+}
+
+#[inline(never)]
+fn relief_of<const N: usize>(
+    scene: &Scene,
+    (packet, lane): (&Packet<N>, usize),
+    material: &Material,
+    footprint: f32,
+) -> Option<glam::Vec3> {
+    let it = scene.world.interaction(&packet.ray.get(lane), &hit_of(packet, lane)?);
+    relief::normal(scene, &it, material, Spot { uv: it.uv.into(), footprint })
 }
 
 #[inline(never)]

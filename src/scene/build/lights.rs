@@ -68,7 +68,12 @@ impl Builder {
     /// Adds a light with its surface; without power it is a black surface.
     fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>, origin: &Place) {
         let emission = Some(Emission { radiance, two_sided: false });
-        let material = self.add_material(Material { scattering: Scattering::Black, emission });
+        let material = self.add_material(Material {
+            scattering: Scattering::Black,
+            emission,
+            normal_map: None,
+            opacity: None,
+        });
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material], origin);
         self.surfaces[placement.index()].light = self.add_light(light);

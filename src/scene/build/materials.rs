@@ -70,7 +70,7 @@ impl Builder {
             let remedy = "let one part at most be a `dielectric`";
             self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
         }
-        shining(Scattering::Mix(layers), named.value.emission)
+        self.finished(Scattering::Mix(layers), &named.value)
     }
 
     pub(super) fn material(&mut self, material: &description::Material) -> Material {
@@ -78,10 +78,19 @@ impl Builder {
             let radiance = radiance + material.emission;
             let two_sided = two_sided && material.emission.is_black();
             let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
-            return Material { scattering: Scattering::Black, emission };
+            return Material { emission, ..self.finished(Scattering::Black, material) };
         }
         let scattering = self.matt(&material.scattering).unwrap_or_else(|| self.shiny(&material.scattering));
-        shining(scattering, material.emission)
+        self.finished(scattering, material)
+    }
+
+    /// A surface that scatters like this, with all else that is said of it; it may shine on the side of its normals.
+    fn finished(&mut self, scattering: Scattering, described: &description::Material) -> Material {
+        let radiance = described.emission;
+        let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided: false });
+        let normal_map = described.normal_map.as_ref().and_then(|map| self.normal_map(map));
+        let opacity = described.opacity.as_ref().and_then(|image| self.opacity(image));
+        Material { scattering, emission, normal_map, opacity }
     }
 
     /// Surfaces without an interface.
@@ -223,12 +232,6 @@ impl From<Fresnel> for FresnelModel {
             Fresnel::Constant => Self::Constant,
         }
     }
-}
-
-/// A surface that may shine on the side of its normals.
-fn shining(scattering: Scattering, radiance: Rgb<f32>) -> Material {
-    let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided: false });
-    Material { scattering, emission }
 }
 
 /// Facets of these widths; none where both are too smooth to tell from a mirror.

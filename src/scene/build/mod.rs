@@ -5,6 +5,7 @@
 //! moved there once instead of being instanced, lights without power are dropped, shadow rays look for glass only where there is some.
 
 mod camera;
+mod cut_outs;
 mod forms;
 mod lights;
 mod materials;
@@ -49,6 +50,7 @@ pub fn build(description: &Description) -> Result<Built> {
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
+    builder.cut_holes();
     let film = description.film.clone();
     let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
     let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());

@@ -252,6 +252,11 @@ impl Builder {
             let problem = Problem::at(place.clone(), what);
             return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
         }
+        if self.materials[first.index()].opacity.is_some() {
+            let what = "a surface that emits light has holes";
+            let problem = Problem::at(place.clone(), what);
+            return self.problems.push(problem.remedy("take its `opacity` or its emission away"));
+        }
         match self.light_at(placement, emission) {
             Ok(light) => self.surfaces[placement.index()].light = self.add_light(light),
             Err(what) => self.problems.push(Problem::at(place.clone(), what)),

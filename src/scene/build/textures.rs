@@ -5,7 +5,7 @@ use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Located, ScalarTexture};
-use crate::texture::{Bitmap, Channel, Mapped, Scalar, Space, Texture, Wrap};
+use crate::texture::{Bitmap, Channel, Mapped, NormalMap, Scalar, Space, Texture, Wrap};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -70,28 +70,49 @@ impl Builder {
         Some(Scalar { map, channel, factor })
     }
 
+    /// Where a surface is; coverage where the file has it.
+    pub(super) fn opacity(&mut self, image: &ScalarTexture) -> Option<Scalar> {
+        // Coverage has no curve: what has been read as a colour serves as well.
+        let path = canonical(&image.file.value);
+        let colored = self.textures.known.get(&(path, None)).and_then(Option::as_ref);
+        let colored = colored.filter(|bitmap| bitmap.has_alpha()).cloned();
+        let is_alpha = matches!(image.channel, None | Some(description::Channel::Alpha));
+        let mut scalar = match colored.filter(|_| is_alpha) {
+            Some(bitmap) => {
+                let &ScalarTexture { wrap, repeat, offset, factor, .. } = image;
+                let map = lying(bitmap, Lie { wrap, repeat, offset });
+                Scalar { map, channel: Channel::Alpha, factor }
+            }
+            None => self.scalar(image)?,
+        };
+        if image.channel.is_none() && scalar.map.bitmap.has_alpha() {
+            scalar.channel = Channel::Alpha;
+        }
+        Some(scalar)
+    }
+
+    /// A relief.
+    pub(super) fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
+        let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
+        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        Some(NormalMap { map, strength, flip_y })
+    }
+
     fn mapped(
         &mut self,
         file: &Located<PathBuf>,
         space: Option<description::Space>,
-        Lie { wrap, repeat, offset }: Lie,
+        lie: Lie,
     ) -> Option<Mapped> {
         let space = space.map(|space| match space {
             description::Space::Srgb => Space::Srgb,
             description::Space::Linear => Space::Linear,
         });
-        let wrap = match wrap {
-            description::Wrap::Repeat => Wrap::Repeat,
-            description::Wrap::Mirror => Wrap::Mirror,
-            description::Wrap::Clamp => Wrap::Clamp,
-        };
-        let bitmap = self.bitmap(file, space)?;
-        Some(Mapped { bitmap, wrap, repeat: repeat.into(), offset: offset.into() })
+        Some(lying(self.bitmap(file, space)?, lie))
     }
 
     fn bitmap(&mut self, file: &Located<PathBuf>, space: Option<Space>) -> Option<Arc<Bitmap>> {
-        let path = file.value.canonicalize().unwrap_or_else(|_| file.value.clone());
-        let key = (path, space);
+        let key = (canonical(&file.value), space);
         if let Some(known) = self.textures.known.get(&key) {
             return known.clone();
         }
@@ -129,4 +150,18 @@ impl Builder {
         let own = if raster.encoded { Space::Srgb } else { Space::Linear };
         Some(Bitmap::new(&raster, space.unwrap_or(own)))
     }
+}
+
+/// The one name of a file.
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+fn lying(bitmap: Arc<Bitmap>, Lie { wrap, repeat, offset }: Lie) -> Mapped {
+    let wrap = match wrap {
+        description::Wrap::Repeat => Wrap::Repeat,
+        description::Wrap::Mirror => Wrap::Mirror,
+        description::Wrap::Clamp => Wrap::Clamp,
+    };
+    Mapped { bitmap, wrap, repeat: repeat.into(), offset: offset.into() }
 }

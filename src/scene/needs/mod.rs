@@ -146,7 +146,7 @@ impl Count {
     /// Materials, each counted once and named by the first shape made of it.
     fn materials(&mut self, scene: &Scene, origins: &[Place]) {
         for (id, placement) in materials_in_use(scene) {
-            let has_images = scene.materials[id.index()].scattering.has_images();
+            let has_images = scene.materials[id.index()].has_images();
             self.add(Capability::ImageTextures, usize::from(has_images), origins.get(placement.index()));
             for part in scene.materials[id.index()].scattering.parts() {
                 for capability in capabilities(part) {

@@ -8,6 +8,7 @@
 //! Limits: no free-form surfaces, points, lines, vertex colours or textures; smoothing groups are ignored.
 
 mod faults;
+mod maps;
 mod mtl;
 mod outline;
 mod polygons;
