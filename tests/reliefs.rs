@@ -1,6 +1,7 @@
 //! Normal maps: a plane whose picture leans is shaded as a plane that leans.
 
 #[path = "support/folder.rs"]
+#[expect(dead_code, reason = "scenes of its own")]
 mod folder;
 
 use folder::{Folder, picture};

@@ -341,3 +341,90 @@ fn all_kinds_of_files_are_read() {
     // The light of bytes 200, 100 and 50, give or take two.
     assert!(close(found, Rgb::new(0.578, 0.127, 0.0319), 0.013), "{found:?}");
 }
+
+/// A square that shines by a picture, seen from the front, and a white floor below it that only it lights.
+fn panel(way: &str, radiance: &str) -> String {
+    format!(
+        r#"
+        [camera]
+        from = [0.0, 0.0, 10.0]
+        at = [0.0, 0.0, 0.0]
+        vfov_deg = 30.0
+        [film]
+        width = 32
+        height = 32
+        filter = "box"
+        [render]
+        {way}
+        [materials.panel]
+        type = "emission"
+        radiance = {radiance}
+        [materials.white]
+        type = "diffuse"
+        reflectance = 0.8
+        [[shapes]]
+        type = "rectangle"
+        edge_u = [1.0, 0.0, 0.0]
+        edge_v = [0.0, 1.0, 0.0]
+        material = "panel"
+        [[shapes]]
+        type = "rectangle"
+        center = [0.0, -1.2, 1.0]
+        edge_u = [2.0, 0.0, 0.0]
+        edge_v = [0.0, 0.0, -2.0]
+        material = "white"
+        transform = [{{ rotate_deg = 10.0, axis = [1, 0, 0] }}]
+        "#
+    )
+}
+
+#[test]
+fn surfaces_shine_by_a_picture_and_light_others() {
+    let folder = Folder::new();
+    let radiance = "{ file = \"four.png\", factor = 2 }";
+    let sum = |image: &specula::image::Image| {
+        // The floor alone, which is lit by what is asked of the light, by what is met by chance, or by both.
+        let floor = (19..32).flat_map(|y| (0..32).map(move |x| (x, y)));
+        floor.fold(Rgb::BLACK, |sum, (x, y)| sum + image.pixel(x, y))
+    };
+    let mut sums = Vec::new();
+    for way in WAYS {
+        let way = way.replace("spp = 16", "spp = 64");
+        let shown = picture(&folder.scene(&panel(&way, radiance)));
+        assert!(
+            close(shown.pixel(14, 14), Rgb::new(2.0, 0.0, 0.0), 1e-4),
+            "{way}: {:?}",
+            shown.pixel(14, 14)
+        );
+        assert!(close(shown.pixel(17, 17), Rgb::gray(2.0), 1e-4), "{way}: {:?}", shown.pixel(17, 17));
+        sums.push(sum(&shown));
+    }
+    // Four squares of one colour each light the floor as the quarters of the picture do.
+    let mut mtl = String::new();
+    for (i, [x, y, r, g, b]) in
+        [[-1, 0, 2, 0, 0], [0, 0, 0, 2, 0], [-1, -1, 0, 0, 2], [0, -1, 2, 2, 2]].into_iter().enumerate()
+    {
+        mtl += &format!("newmtl m{i}\nKe {r} {g} {b}\n");
+        let file = format!(
+            "mtllib quarters.mtl\nusemtl m{i}\nv {x} {y} 0\nv {} {y} 0\nv {} {} 0\nv {x} {} 0\nf 1 2 3 4\n",
+            x + 1,
+            x + 1,
+            y + 1,
+            y + 1
+        );
+        folder.write(&format!("quarter{i}.obj"), &file);
+    }
+    folder.write("quarters.mtl", &mtl);
+    let text = panel(&WAYS[0].replace("spp = 16", "spp = 64"), "0");
+    let quarters: String =
+        (0..4).map(|i| format!("[[shapes]]\ntype = \"mesh\"\nfile = \"quarter{i}.obj\"\n")).collect();
+    let first = text.find("[[shapes]]").expect("the panel");
+    let second = first + 2 + text[first + 2..].find("[[shapes]]").expect("the floor");
+    let text = format!("{}{}{}", &text[..first], &text[second..], quarters);
+    let expected = sum(&picture(&folder.scene(&text)));
+    for (way, found) in WAYS.iter().zip(sums) {
+        let ratio = [found.r / expected.r, found.g / expected.g, found.b / expected.b];
+        // Some 400 pixels of 64 samples each: within 2 per cent.
+        assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.02), "{way}: {ratio:?} of {expected:?}");
+    }
+}

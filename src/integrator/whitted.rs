@@ -150,15 +150,15 @@ impl Whitted {
         };
         let Arrival { mut it, eta, beyond } = arrival;
         let (_, material) = scene.material(&it);
-        let emitted = material.emitted(it.is_front());
-        if emitted != Rgb::BLACK {
-            *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
-        }
         let length = it.p.distance(node.start);
         let spot = match beam {
             Some(_) => node.cone.spot(scene, &it, length),
             None => it.uv.to_array().into(),
         };
+        let emitted = material.emitted(it.is_front(), spot);
+        if emitted != Rgb::BLACK {
+            *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
+        }
         if let Some(ns) = relief::normal(scene, &it, material, spot) {
             it.ns = ns;
         }

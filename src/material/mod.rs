@@ -12,7 +12,7 @@ pub use scattering::{Facets, Layer, Scattering};
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::{NormalMap, Scalar, Spot};
+use crate::texture::{NormalMap, Scalar, Spot, Texture};
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -51,10 +51,10 @@ pub struct Material {
 }
 
 /// Light that a surface gives off.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance on the side of the normal.
-    pub radiance: Rgb<f32>,
+    pub radiance: Texture,
     /// Whether the other side shines too.
     pub two_sided: bool,
 }
@@ -69,13 +69,15 @@ impl Material {
     /// Whether it shows any picture, or asks one for its normal.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        self.scattering.has_images() || self.normal_map.is_some()
+        let shows = self.emission.as_ref().is_some_and(|emission| emission.radiance.bitmap().is_some());
+        shows || self.scattering.has_images() || self.normal_map.is_some()
     }
 
     /// Whether anything of it changes over the surface parameters.
     #[must_use]
     pub fn is_textured(&self) -> bool {
-        self.scattering.is_textured() || self.normal_map.is_some()
+        let changes = self.emission.as_ref().is_some_and(|emission| !emission.radiance.is_constant());
+        changes || self.scattering.is_textured() || self.normal_map.is_some()
     }
 
     /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.
@@ -84,11 +86,11 @@ impl Material {
         matches!(self.scattering, Scattering::Dielectric { .. })
     }
 
-    /// Radiance that leaves the surface, on its front or back.
+    /// Radiance that leaves the surface at a spot, on its front or back.
     #[must_use]
-    pub fn emitted(&self, front: bool) -> Rgb<f32> {
-        match self.emission {
-            Some(Emission { radiance, two_sided }) if front || two_sided => radiance,
+    pub fn emitted(&self, front: bool, spot: Spot<f32>) -> Rgb<f32> {
+        match &self.emission {
+            Some(Emission { radiance, two_sided }) if front || *two_sided => radiance.at(spot),
             _ => Rgb::BLACK,
         }
     }

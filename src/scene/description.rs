@@ -512,8 +512,8 @@ choice! {
 record! {
     /// What a surface is made of.
     pub struct Material {
-        /// Radiance it gives off besides, on the side of its normals.
-        emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0), max(1e20);
+        /// Radiance it gives off besides, on the side of its normals; a picture or a pattern on meshes and rectangles only.
+        emission: Texture = Texture::gray(0.0), unit("W/(sr m^2)"), min(0.0), max(1e20);
         /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
         normal_map: Option<NormalMap>;
         /// Holes: where this is below 0.5 there is no surface. For materials that do not shine.
@@ -524,7 +524,7 @@ record! {
 
 impl From<Scattering> for Material {
     fn from(scattering: Scattering) -> Self {
-        Self { emission: Rgb::BLACK, normal_map: None, opacity: None, scattering }
+        Self { emission: Texture::gray(0.0), normal_map: None, opacity: None, scattering }
     }
 }
 
@@ -644,8 +644,8 @@ tagged! {
         }
         /// A surface that shines and reflects nothing.
         "emission" => Emission {
-            /// What it emits in every direction.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
+            /// What it emits in every direction; a picture or a pattern on meshes and rectangles only.
+            radiance: Texture, unit("W/(sr m^2)"), min(0.0), max(1e20);
             /// Whether it shines on both sides, not only on that of its normals.
             two_sided: bool = false;
         }

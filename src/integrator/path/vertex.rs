@@ -218,7 +218,9 @@ fn shine<S: Isa, const N: usize>(
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let (ng, d) = (met.points.ng.extract(lane), lanes.d.extract(lane));
-        let emitted = scene.materials[met.materials.extract(lane) as usize].emitted(d.dot(ng) < 0.0);
+        let uv = met.points.uv.map(|x| x.extract(lane));
+        let spot = Spot { uv, footprint: met.footprint.extract(lane) };
+        let emitted = scene.materials[met.materials.extract(lane) as usize].emitted(d.dot(ng) < 0.0, spot);
         let placement = PlacementId(met.placements.extract(lane));
         let emitter =
             Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };

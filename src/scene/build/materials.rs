@@ -9,6 +9,7 @@ use crate::material::{Emission, Facets, Layer, Material, Medium, Scattering, con
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, Fresnel, MixPart, Named, Optics, PerTangent, Roughness};
+use crate::texture::Texture;
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
 const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
@@ -74,10 +75,22 @@ impl Builder {
     }
 
     pub(super) fn material(&mut self, material: &description::Material) -> Material {
-        if let description::Scattering::Emission { radiance, two_sided } = material.scattering {
-            let radiance = radiance + material.emission;
-            let two_sided = two_sided && material.emission.is_black();
-            let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
+        if let description::Scattering::Emission { radiance, two_sided } = &material.scattering {
+            use description::Texture::Constant;
+            let (radiance, two_sided) = match (radiance, &material.emission) {
+                (Constant(radiance), Constant(besides)) => {
+                    (Texture::Constant(*radiance + *besides), *two_sided && besides.is_black())
+                }
+                (radiance, Constant(besides)) if besides.is_black() => {
+                    (self.colored(radiance, f32::INFINITY), *two_sided)
+                }
+                (radiance, _) => {
+                    let what = "`emission` beside a `radiance`, one of them a texture, is ignored";
+                    self.warnings.push(Problem::new(what).remedy("give one of them"));
+                    (self.colored(radiance, f32::INFINITY), *two_sided)
+                }
+            };
+            let emission = shining(radiance, two_sided);
             return Material { emission, ..self.finished(Scattering::Black, material) };
         }
         let scattering = self.matt(&material.scattering).unwrap_or_else(|| self.shiny(&material.scattering));
@@ -86,8 +99,10 @@ impl Builder {
 
     /// A surface that scatters like this, with all else that is said of it; it may shine on the side of its normals.
     fn finished(&mut self, scattering: Scattering, described: &description::Material) -> Material {
-        let radiance = described.emission;
-        let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided: false });
+        let emission = match described.scattering {
+            description::Scattering::Emission { .. } => None,
+            _ => shining(self.colored(&described.emission, f32::INFINITY), false),
+        };
         let normal_map = described.normal_map.as_ref().and_then(|map| self.normal_map(map));
         let opacity = described.opacity.as_ref().and_then(|image| self.opacity(image));
         Material { scattering, emission, normal_map, opacity }
@@ -232,6 +247,11 @@ impl From<Fresnel> for FresnelModel {
             Fresnel::Constant => Self::Constant,
         }
     }
+}
+
+/// Light of this radiance; none where it is black everywhere.
+fn shining(radiance: Texture, two_sided: bool) -> Option<Emission> {
+    (radiance != Texture::Constant(Rgb::BLACK)).then_some(Emission { radiance, two_sided })
 }
 
 /// Facets of these widths; none where both are too smooth to tell from a mirror.

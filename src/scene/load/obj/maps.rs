@@ -16,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub(super) enum Use {
     /// `map_Kd`.
     Diffuse,
+    /// `map_Ke`.
+    Emission,
     /// `map_d`.
     Opacity,
     /// `norm`.
@@ -26,6 +28,7 @@ impl Use {
     pub(super) fn of(keyword: &str) -> Option<Self> {
         Some(match keyword {
             "map_Kd" => Self::Diffuse,
+            "map_Ke" => Self::Emission,
             "map_d" => Self::Opacity,
             "norm" => Self::Normal,
             _ => return None,
@@ -36,6 +39,7 @@ impl Use {
     fn without(self) -> &'static str {
         match self {
             Self::Diffuse => "the surface is made gray",
+            Self::Emission => "the surface shines as `Ke` says",
             Self::Opacity => "the surface is left whole",
             Self::Normal => "the surface is left even",
         }
@@ -47,6 +51,7 @@ impl Use {
 pub(super) struct Maps {
     /// `Some(None)` where it is missing.
     diffuse: Option<Option<Map>>,
+    emission: Option<Map>,
     pub(super) opacity: Option<Map>,
     pub(super) normal: Option<Map>,
 }
@@ -72,6 +77,7 @@ impl Maps {
         };
         match what {
             Use::Diffuse => self.diffuse = Some(map),
+            Use::Emission => self.emission = map,
             Use::Opacity => self.opacity = map,
             Use::Normal => self.normal = map,
         }
@@ -88,9 +94,13 @@ impl Maps {
         match &self.diffuse {
             None => Texture::Constant(kd.unwrap_or(Rgb::gray(0.5))),
             Some(None) => Texture::gray(0.5),
-            // Exporters that write a picture often write black beside it.
-            Some(Some(map)) => map.colored(kd.filter(|kd| !kd.is_black()).unwrap_or(Rgb::WHITE)),
+            Some(Some(map)) => map.colored(factor(kd.unwrap_or(Rgb::BLACK))),
         }
+    }
+
+    /// What is given off where `Ke` says so much.
+    pub(super) fn shining(&self, ke: Rgb<f32>) -> Texture {
+        self.emission.as_ref().map_or(Texture::Constant(ke), |map| map.colored(factor(ke)))
     }
 }
 
@@ -147,6 +157,11 @@ impl Map {
         let Self { file, wrap, repeat, offset, strength } = self;
         NormalMap { file, strength, flip_y: false, wrap, repeat, offset }
     }
+}
+
+/// What a picture is multiplied by: exporters often write black beside it.
+fn factor(color: Rgb<f32>) -> Rgb<f32> {
+    if color.is_black() { Rgb::WHITE } else { color }
 }
 
 /// Up to `most` words, only such as are numbers where these are `wanted`, and what follows them.

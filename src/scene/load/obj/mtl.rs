@@ -25,7 +25,8 @@
 //! surface and has no thickness to make absorption of. Sheen (`Ps`), the roughness of coats (`Pcr`) and anisotropy are not
 //! read.
 //!
-//! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_d` cuts holes,
+//! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_Ke` shines, times `Ke`
+//! likewise. `map_d` cuts holes,
 //! `norm` is a normal map. A file that is not there is told, and the base is gray 0.5.
 
 use super::maps::{Map, Maps, Use};
@@ -69,7 +70,7 @@ impl Library {
         }
         if statements.textures > 0 {
             let what = format!(
-                "textures other than `map_Kd`, `map_d` and `norm` are not read, {} in all",
+                "textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, {} in all",
                 statements.textures
             );
             self.warnings.push(Problem::at(Place::file(path), what));
@@ -128,14 +129,19 @@ impl Statements {
 fn understand(said: &tobj::Material, maps: Maps) -> Material {
     let [r, g, b] = said.emissive.unwrap_or_default().map(|x| single(x).max(0.0));
     let radiance = Rgb::new(r, g, b);
+    let emission = maps.shining(radiance);
     let scattering = scattering(said, &maps);
     let matt = matches!(scattering, Scattering::Diffuse { .. });
     let black = !maps.has_diffuse();
-    if matt && black && !radiance.is_black() && said.diffuse.is_none_or(|kd| kd.iter().all(|&x| x <= 0.0)) {
-        return Scattering::Emission { radiance, two_sided: false }.into();
+    if matt
+        && black
+        && emission != Texture::gray(0.0)
+        && said.diffuse.is_none_or(|kd| kd.iter().all(|&x| x <= 0.0))
+    {
+        return Scattering::Emission { radiance: emission, two_sided: false }.into();
     }
     let (normal_map, opacity) = (maps.normal.map(Map::normal), maps.opacity.map(Map::opacity));
-    Material { emission: radiance, normal_map, opacity, scattering }
+    Material { emission, normal_map, opacity, scattering }
 }
 
 fn scattering(said: &tobj::Material, maps: &Maps) -> Scattering {
@@ -295,14 +301,15 @@ mod tests {
     #[test]
     fn what_shines_may_scatter_too() {
         let radiance = Rgb::new(0.0, 2.0, 0.0);
-        let alone = Scattering::Emission { radiance, two_sided: false };
+        let radiance = Texture::Constant(radiance);
+        let alone = Scattering::Emission { radiance: radiance.clone(), two_sided: false };
         assert_eq!(read("Ke 0 2 0"), alone.clone().into(), "no Kd");
         assert_eq!(read("Ke 0 2 0\nKd 0 0 0\nKs 0 0 0\nNs 9"), alone.into(), "black");
         let cases = ["Kd 0.25 0.25 0.25", "d 0.5", "illum 3\nKs 0.75", "Kd 0\nKs 0.25\nNs 40"];
         for text in cases {
             let dark = read(text);
-            assert_eq!(dark.emission, Rgb::BLACK, "{text}");
-            let expected = Material { emission: radiance, ..dark };
+            assert_eq!(dark.emission, Texture::gray(0.0), "{text}");
+            let expected = Material { emission: radiance.clone(), ..dark };
             assert_eq!(read(&format!("{text}\nKe 0 2 0")), expected, "{text}");
         }
     }
@@ -326,7 +333,7 @@ mod tests {
         library
             .read(
                 Path::new("x.mtl"),
-                "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\nillum -1\nmap_Ke y.png\n",
+                "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\nillum -1\nmap_Ks y.png\n",
             )
             .expect("read");
         let warnings: Vec<String> = library.warnings.iter().map(ToString::to_string).collect();
@@ -336,7 +343,7 @@ mod tests {
             "x.mtl:4: no such file `x.png`; paths are relative to the file that names them; the surface is made gray",
             "x.mtl:5: `Ks 1 2` makes no sense and is ignored; give `Ks` finite numbers",
             "x.mtl:6: `illum -1` makes no sense and is ignored; give `illum` finite numbers",
-            "x.mtl: textures other than `map_Kd`, `map_d` and `norm` are not read, 1 in all",
+            "x.mtl: textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, 1 in all",
         ];
         assert_eq!(warnings, expected, "warnings");
     }
