@@ -94,7 +94,8 @@ struct Took {
 /// Makes a picture with so many threads, all of the machine's if absent.
 fn take(case: &Case, threads: Option<NonZeroUsize>) -> specula::error::Result<Took> {
     let (busy, wall, cpu) = (busy_s(), Instant::now(), ProcessTime::now());
-    let rendered = render_on(&case.scene, &Settings { threads, ..Settings::default() }, &case.accel, &Silent)?;
+    let rendered =
+        render_on(&case.scene, &Settings { threads, ..Settings::default() }, &case.accel, &Silent)?;
     let (wall_s, cpu_s) = (wall.elapsed().as_secs_f64(), cpu.elapsed().as_secs_f64());
     let others = busy.zip(busy_s()).map(|(from, to)| ((to - from - cpu_s) / wall_s).max(0.0));
     let statistics = rendered.statistics;

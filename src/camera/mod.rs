@@ -68,6 +68,16 @@ impl Camera {
         }
     }
 
+    /// The angle that a pixel in the middle of a picture of this size is wide, in radians, as the shutter opens.
+    #[must_use]
+    pub fn pixel_angle(&self, [width, height]: [u32; 2]) -> f32 {
+        #[expect(clippy::cast_precision_loss, reason = "pictures are smaller than 2^24")]
+        let middle = [width as f32 * 0.5, height as f32 * 0.5];
+        let pinhole = self.pinhole(0.0);
+        let [a, b] = [middle, [middle[0] + 1.0, middle[1]]].map(|film| pinhole.towards(film).normalize());
+        (b - a).length()
+    }
+
     /// The camera at a moment of the shutter, in [0, 1], without its lens.
     #[must_use]
     pub fn pinhole(&self, time: f32) -> Pinhole {

@@ -77,6 +77,9 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
     if needs.mesh_bytes > 0 {
         line("meshes", &format!("{} bytes", needs.mesh_bytes));
     }
+    if needs.textures > 0 {
+        line("textures", &format!("{}, {} bytes", counted(needs.textures, "image"), needs.texture_bytes));
+    }
     let film = &scene.film;
     line(
         "picture",
@@ -151,6 +154,8 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         "materials": needs.materials,
         "lights": needs.lights,
         "mesh_bytes": needs.mesh_bytes,
+        "textures": needs.textures,
+        "texture_bytes": needs.texture_bytes,
         "width": scene.film.width,
         "height": scene.film.height,
         "spp": scene.render.spp,

@@ -92,6 +92,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
         "pruned": { "by_depth": counters.cut_by_depth, "by_attenuation": counters.cut_by_attenuation },
         "peak_rss_bytes": peak_memory(),
         "bvh_bytes": statistics.hierarchy_bytes,
+        "texture_bytes": scene.texture_bytes(),
         "non_finite": {
             "count": rendered.film.non_finite().count(),
             "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, s)).collect::<Vec<_>>(),

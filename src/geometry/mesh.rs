@@ -295,7 +295,7 @@ impl Mesh {
             uvs: self.corner_uvs(triangle).map(|uvs| uvs.map(Into::into)),
             moving: !self.later.is_empty(),
         };
-        let Points { p, p_error, ng, ns, uv } = known.at([hit.u, hit.v], hit.ng.into());
+        let Points { p, p_error, ng, ns, uv, .. } = known.at([hit.u, hit.v], hit.ng.into());
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         let lift = normals.map_or([Vec3::ZERO; 2], |normals| lift(corners, normals, weights));
         SurfacePoint {

@@ -36,6 +36,7 @@ pub use ray::Ray;
 pub use shape::Shape;
 pub use sphere::Sphere;
 pub use surface::{HitFilter, ShapeHit, Surface, SurfacePoint};
+pub use tangent::Grain;
 pub use torus::Torus;
 pub use triangle::intersect_triangle;
 pub use world::{Placement, World};

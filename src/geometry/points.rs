@@ -18,6 +18,8 @@ pub struct Points<F> {
     pub ng: Vec3<F>,
     pub ns: Vec3<F>,
     pub uv: [F; 2],
+    /// How many units of the surface parameters there are to a metre, as a mean over directions; 0 where that is not known.
+    pub density: F,
 }
 
 impl<F: Lanes> Select for Points<F> {
@@ -30,6 +32,7 @@ impl<F: Lanes> Select for Points<F> {
             ng: Vec3::select(mask, yes.ng, no.ng),
             ns: Vec3::select(mask, yes.ns, no.ns),
             uv: [F::select(mask, yes.uv[0], no.uv[0]), F::select(mask, yes.uv[1], no.uv[1])],
+            density: F::select(mask, yes.density, no.density),
         }
     }
 }
@@ -73,11 +76,15 @@ impl<F: Lanes> Corners<F> {
         };
         // Vertex normals are more often right than the winding.
         let ng = Vec3::select(ns.dot(ng).lt(0.0), -ng, ng);
-        let uv = match self.uvs {
-            Some([ta, tb, tc]) => [ta[0] * w + tb[0] * u + tc[0] * v, ta[1] * w + tb[1] * u + tc[1] * v],
-            None => [u, v],
+        let (uv, density) = match self.uvs {
+            Some([ta, tb, tc]) => {
+                let ([s1, t1], [s2, t2]) = ([tb[0] - ta[0], tb[1] - ta[1]], [tc[0] - ta[0], tc[1] - ta[1]]);
+                let density = ((s1 * t2 - t1 * s2).abs() * per_area).sqrt();
+                ([ta[0] * w + tb[0] * u + tc[0] * v, ta[1] * w + tb[1] * u + tc[1] * v], density)
+            }
+            None => ([u, v], u.splat(0.0)),
         };
-        Points { p, p_error, ng, ns, uv }
+        Points { p, p_error, ng, ns, uv, density }
     }
 }
 

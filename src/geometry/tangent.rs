@@ -2,11 +2,61 @@
 
 use crate::geometry::{Interaction, Shape, World};
 use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
 
 /// The axis, in world space, around which surfaces without texture coordinates are taken to be turned.
 const AXIS: Vec3 = Vec3::Y;
 
+/// How surface parameters lie on a surface at a point, in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grain {
+    /// How the point moves as the first parameter grows while the second stays.
+    pub along_u: Vec3,
+    /// The same for the second.
+    pub along_v: Vec3,
+}
+
+impl Grain {
+    /// How many units of the parameters there are to a metre, as a mean over directions.
+    #[must_use]
+    pub fn density(&self) -> f32 {
+        self.along_u.cross(self.along_v).length().max(f32::MIN_POSITIVE).recip().sqrt()
+    }
+
+    /// The directions in which the parameters grow, at right angles to the unit normal `ns` and to each other: the first as it is,
+    /// the second on its side; unit. `None` where the parameters do not span the surface.
+    #[must_use]
+    pub fn frame(&self, ns: Vec3) -> Option<[Vec3; 2]> {
+        let x = (self.along_u - ns * self.along_u.dot(ns)).try_normalize()?;
+        let y = ns.cross(x);
+        Some([x, if y.dot(self.along_v) < 0.0 { -y } else { y }])
+    }
+}
+
 impl World {
+    /// How surface parameters lie at a point, on meshes that have them and on spheres.
+    #[must_use]
+    pub fn grain(&self, it: &Interaction) -> Option<Grain> {
+        let placement = &self.placements[it.placement.index()];
+        let map = placement.pose.at(it.time);
+        let own = match &self.shapes[placement.shape.index()] {
+            Shape::Mesh(mesh) => spans(mesh.corners_at(it.prim, it.time), mesh.corner_uvs(it.prim)?)?,
+            Shape::Sphere(sphere) => {
+                let n = match &map {
+                    None => it.ng,
+                    Some(map) => map.world_from_object().inverse().transform_point3(it.p) - sphere.center,
+                };
+                let n = n.try_normalize()?;
+                let around = Vec3::Z.cross(n);
+                let down = around.try_normalize()?.cross(n);
+                [around * (TAU * sphere.radius), down * (PI * sphere.radius)]
+            }
+            _ => return None,
+        };
+        let [along_u, along_v] = own.map(|v| map.as_ref().map_or(v, |map| map.vector(v)));
+        Some(Grain { along_u, along_v })
+    }
+
     /// The direction in which the first surface parameter grows, in world space, at right angles to the shading normal; unit.
     ///
     /// Meshes have it from the texture coordinates of their file, one direction per triangle. All other shapes, and meshes
@@ -31,6 +81,15 @@ impl World {
     }
 }
 
+/// How the point of a triangle moves as each of its parameters grows; `None` where they do not span it.
+fn spans([a, b, c]: [Vec3; 3], [s, t, u]: [Vec2; 3]) -> Option<[Vec3; 2]> {
+    let (e1, e2) = (b - a, c - a);
+    let (d1, d2) = (t - s, u - s);
+    let area = d1.perp_dot(d2);
+    let along = [(e1 * d2.y - e2 * d1.y) / area, (e2 * d1.x - e1 * d2.x) / area];
+    along.iter().all(|v| v.is_finite()).then_some(along)
+}
+
 /// The direction in which the first parameter of a triangle grows while the second stays.
 fn growth([a, b, c]: [Vec3; 3], [s, t, u]: [Vec2; 3]) -> Option<Vec3> {
     let (e1, e2) = (b - a, c - a);
@@ -52,5 +111,11 @@ mod tests {
         let along = growth(corners, uvs).expect("uvs span the triangle");
         assert!((along.normalize() - Vec3::new(0.0, 3.0, 1.0).normalize()).length() < 1e-6, "{along}");
         assert_eq!(growth(corners, [Vec2::ONE; 3]), None, "one point has no direction");
+        assert_eq!(spans(corners, [Vec2::ONE; 3]), None, "nor do two grow");
+        let [along_u, along_v] = spans(corners, uvs).expect("uvs span the triangle");
+        assert!((along_u - Vec3::new(0.0, 3.0, 1.0)).length() < 1e-6, "{along_u}: a whole edge");
+        assert!((along_v - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-6, "{along_v}: against the other");
+        let grain = Grain { along_u, along_v };
+        assert!((grain.density() - 10.0_f32.powf(-0.25)).abs() < 1e-6, "{}", grain.density());
     }
 }

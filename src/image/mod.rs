@@ -9,12 +9,14 @@ pub mod exr;
 mod gray;
 mod hdr;
 pub mod png;
+mod raster;
 pub mod tone;
 
 use std::path::Path;
 
 pub use buffer::{Image, Window};
 pub use gray::{Gray, read_gray};
+pub use raster::{Pixels, RASTERS, Raster, read_raster};
 
 use crate::error::{Place, Problem, Result};
 

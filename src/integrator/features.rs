@@ -7,9 +7,11 @@
 use super::whitted::{Arrival, Node, arrive};
 use crate::accel::Accel;
 use crate::bsdf::{Branch, Lobes, Mix};
+use crate::integrator::cone::Beam;
 use crate::integrator::shading::Shading;
-use crate::integrator::{CameraRay, Stage, Worker, tangent};
+use crate::integrator::{CameraRay, Stage, Worker, relief, tangent};
 use crate::math::{Rgb, Vec3};
+use crate::texture::Spot;
 use glam::{Vec2, Vec3 as Point};
 use std::f32::consts::PI;
 
@@ -38,7 +40,8 @@ impl Features {
     #[must_use]
     pub fn of<A: Accel>(stage: &Stage<'_, A>, camera: &CameraRay) -> Option<Self> {
         let mut worker = Worker::default();
-        let mut node = Node::of_camera(camera, stage.eye_media);
+        let beam = Beam::of(stage.scene);
+        let mut node = Node::of_camera(camera, stage.eye_media, beam);
         let first = arrive(stage, &mut node, &mut worker)?;
         let towards = |n: Point, wo: Point| if n.dot(wo) < 0.0 { -n } else { n };
         let it = &first.it;
@@ -53,13 +56,14 @@ impl Features {
         let mut tint = Rgb::WHITE;
         let mut arrival = first;
         for _ in 0..MOST_POLISHED {
-            let seen = Seen::of(stage, &arrival);
+            let spot = node.spot(stage.scene, &arrival.it, beam);
+            let seen = Seen::of(stage, &arrival, spot);
             features.normal = seen.normal;
             features.albedo = tint * seen.albedo;
             let Some((branch, d)) = seen.polished else { return Some(features) };
             tint *= branch.weight;
             features.albedo = tint;
-            node.pass(&arrival, (d, branch.transmission));
+            node.pass(&arrival, (d, branch.transmission), beam);
             let Some(next) = arrive(stage, &mut node, &mut worker) else { return Some(features) };
             arrival = next;
         }
@@ -76,13 +80,16 @@ struct Seen {
 }
 
 impl Seen {
-    fn of<A: Accel>(stage: &Stage<'_, A>, arrival: &Arrival) -> Self {
-        let Arrival { it, eta, .. } = arrival;
-        let (_, material) = stage.scene.material(it);
-        let emitted = material.emitted(it.is_front());
-        let shading = Shading::at(it, tangent(stage.scene, it, material));
+    fn of<A: Accel>(stage: &Stage<'_, A>, arrival: &Arrival, spot: Spot<f32>) -> Self {
+        let mut it = arrival.it;
+        let (_, material) = stage.scene.material(&it);
+        let emitted = material.emitted(it.is_front(), spot);
+        if let Some(ns) = relief::normal(stage.scene, &it, material, spot) {
+            it.ns = ns;
+        }
+        let shading = Shading::at(&it, tangent(stage.scene, &it, material));
         let normal = shading.frame.z.into();
-        let Some(mix) = material.bsdf(it.uv.into(), *eta) else {
+        let Some(mix) = material.bsdf(spot, arrival.eta) else {
             return Self { albedo: limited(emitted), normal, polished: None };
         };
         if emitted.is_black() && !mix.lobes().intersects(Lobes::DIFFUSE | Lobes::GLOSSY) {

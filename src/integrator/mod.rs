@@ -3,11 +3,13 @@
 //! An [`Integrator`] is a function of scene, ray and random numbers. What it must write besides its answer, counts and
 //! scratch memory, belongs to one thread: [`Worker`].
 
+mod cone;
 mod counters;
 mod deferred;
 mod direct;
 mod features;
 mod path;
+mod relief;
 mod shading;
 mod splitting;
 mod view;

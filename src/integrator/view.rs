@@ -2,7 +2,7 @@
 
 use crate::accel::Accel;
 use crate::geometry::Interaction;
-use crate::integrator::{CameraRay, Integrator, Radiance, Stage, Whitted, Worker};
+use crate::integrator::{CameraRay, Integrator, Radiance, Stage, Whitted, Worker, relief};
 use crate::math::Rgb;
 use crate::sampling::Sampler;
 use glam::Vec3;
@@ -50,7 +50,11 @@ impl View {
     fn show<A: Accel>(&self, stage: &Stage<'_, A>, it: &Interaction) -> Rgb<f32> {
         match self {
             Self::Normals => as_color(it.ng),
-            Self::ShadingNormals => as_color(it.ns),
+            Self::ShadingNormals => {
+                let (_, material) = stage.scene.material(it);
+                let spot = it.uv.to_array().into();
+                as_color(relief::normal(stage.scene, it, material, spot).unwrap_or(it.ns))
+            }
             Self::Depth | Self::Cost(_) => Rgb::gray(it.t),
             Self::Uv => Rgb::new(it.uv.x, it.uv.y, 0.0),
             Self::Material => distinct(stage.scene.material(it).0.0),

@@ -20,14 +20,19 @@
 use crate::accel::Accel;
 use crate::bsdf::{Branch, BsdfSample, Part};
 use crate::geometry::{Hit, Interaction, Ray};
+use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
-use crate::integrator::{CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, tangent};
+use crate::integrator::{
+    CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, relief, tangent,
+};
 use crate::light::Reference;
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
+use crate::scene::Scene;
+use crate::texture::Spot;
 use glam::Vec3;
 
 /// Follows the ray tree depth first.
@@ -58,11 +63,13 @@ pub(crate) struct Node {
     vertex: Vertex,
     media: Media,
     drawn: Option<Drawn>,
+    /// About the ray, where any surface shows a picture.
+    cone: Cone<f32>,
 }
 
 impl Node {
     /// The branch that a camera ray is, in what the camera stands in.
-    pub(super) fn of_camera(camera: &CameraRay, media: Media) -> Self {
+    pub(super) fn of_camera(camera: &CameraRay, media: Media, beam: Option<Beam>) -> Self {
         let CameraRay { ray, found } = *camera;
         Self {
             ray,
@@ -74,11 +81,23 @@ impl Node {
             vertex: Vertex::ROOT,
             media,
             drawn: None,
+            cone: beam.map_or(Cone::NONE, |beam| beam.start(0.0)),
         }
     }
 
-    /// Goes on from a surface along `d`, on the same side or through it.
-    pub(super) fn pass(&mut self, at: &Arrival, (d, through): (Vec3, bool)) {
+    /// Where pictures on the surface are looked up.
+    pub(super) fn spot(&self, scene: &Scene, it: &Interaction, beam: Option<Beam>) -> Spot<f32> {
+        match beam {
+            Some(_) => self.cone.spot(scene, it, it.p.distance(self.start)),
+            None => it.uv.to_array().into(),
+        }
+    }
+
+    /// Goes on from a polished surface along `d`, on the same side or through it.
+    pub(super) fn pass(&mut self, at: &Arrival, (d, through): (Vec3, bool), beam: Option<Beam>) {
+        if let Some(beam) = beam {
+            self.cone = beam.scattered(self.cone, at.it.p.distance(self.start), 0.0);
+        }
         self.ray = at.it.spawn(d);
         self.found = None;
         self.start = at.it.p;
@@ -130,11 +149,12 @@ impl Integrator for Whitted {
         worker: &mut Worker,
     ) -> Radiance {
         worker.counters.camera += 1;
+        let beam = Beam::of(stage.scene);
         let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
-        worker.pending.push(Node::of_camera(camera, stage.eye_media));
+        worker.pending.push(Node::of_camera(camera, stage.eye_media, beam));
         while let Some(node) = worker.pending.pop() {
             let vertex = node.vertex;
-            let hit = self.follow(stage, node, sampler, worker, &mut result.color);
+            let hit = self.follow((stage, beam), node, sampler, worker, &mut result.color);
             if vertex == Vertex::ROOT && hit {
                 result.alpha = 1.0;
             }
@@ -147,7 +167,7 @@ impl Whitted {
     /// Adds what one branch brings and pushes those that go on from it. Whether it hit a surface.
     fn follow<A: Accel, S: Sampler<I = u32>>(
         &self,
-        stage: &Stage<'_, A>,
+        (stage, beam): (&Stage<'_, A>, Option<Beam>),
         mut node: Node,
         sampler: &S,
         worker: &mut Worker,
@@ -158,13 +178,18 @@ impl Whitted {
             *sum += node.beta * environment(stage, &node);
             return false;
         };
-        let Arrival { it, eta, beyond } = arrival;
+        let Arrival { mut it, eta, beyond } = arrival;
         let (_, material) = scene.material(&it);
-        let emitted = material.emitted(it.is_front());
+        let length = it.p.distance(node.start);
+        let spot = node.spot(scene, &it, beam);
+        let emitted = material.emitted(it.is_front(), spot);
         if emitted != Rgb::BLACK {
             *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
         }
-        let Some(mix) = material.bsdf(it.uv.into(), eta) else { return true };
+        if let Some(ns) = relief::normal(scene, &it, material, spot) {
+            it.ns = ns;
+        }
+        let Some(mix) = material.bsdf(spot, eta) else { return true };
         let shading = Shading::at(&it, tangent(scene, &it, material));
         let media = [node.media.current(), beyond.current()];
         let counts = self.splitting.at(node.depth);
@@ -172,7 +197,8 @@ impl Whitted {
         if node.depth < self.max_depth {
             *sum += node.beta * direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
         }
-        let at = At { stage, node: &node, it: &it, shading, eta, beyond };
+        let at =
+            At { stage, node: &node, it: &it, shading, eta, beyond, beam: beam.map(|beam| (beam, length)) };
         for (index, part) in (0..).zip(mix.parts()) {
             self.push_specular(&at, part, index, worker);
             self.push_glossy(&at, &receiver, (index, part), sampler, worker);
@@ -204,6 +230,7 @@ impl Whitted {
                 vertex: at.child(index, if branch.transmission { REFRACTED } else { REFLECTED }),
                 media: if branch.transmission { at.beyond } else { at.node.media },
                 drawn: None,
+                cone: at.cone(0.0),
             };
             if self.push(child, worker) {
                 let kind = if branch.transmission {
@@ -274,12 +301,19 @@ struct At<'a, A> {
     eta: f32,
     /// The media behind the surface.
     beyond: Media,
+    /// What the widths of rays follow from, and the length of the ray that came; where surfaces show pictures.
+    beam: Option<(Beam, f32)>,
 }
 
 impl<A: Accel> At<'_, A> {
     /// The node at the end of a way on from the part `index` of a mix.
     fn child(&self, index: u32, way: u32) -> Vertex {
         self.node.vertex.child(index * WAYS + way)
+    }
+
+    /// The cone about a way on that was drawn with this density.
+    fn cone(&self, pdf: f32) -> Cone<f32> {
+        self.beam.map_or(Cone::NONE, |(beam, length)| beam.scattered(self.node.cone, length, pdf))
     }
 
     /// The branch along sample `j` of a part's glossy lobe, on either side; `None` where there is no way on.
@@ -309,6 +343,7 @@ impl<A: Accel> At<'_, A> {
             vertex: nth(self.child(index, way), j, counts.glossy),
             media: if through { self.beyond } else { self.node.media },
             drawn: Some(Drawn { from: receiver.reference(through), pdf, counts }),
+            cone: self.cone(pdf),
         })
     }
 }
@@ -349,6 +384,7 @@ pub(super) fn arrive<A: Accel>(
             }
             Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
                 node.media = beyond;
+                node.cone.width = node.cone.width_at(it.p.distance(node.start));
                 node.ray = it.spawn(node.ray.d);
                 node.start = it.p;
                 // Shadow rays give such surfaces no pass, so that nothing is left to share.

@@ -7,6 +7,7 @@ use crate::light::{Emitter, LightSample, Reference};
 use crate::math::lanes::{IntLanes, Isa, Lanes, Wrapping};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Picks, Table1d, TableError, warp};
+use crate::texture::Texture;
 use std::f32::consts::PI;
 
 /// A point drawn from a surface.
@@ -18,6 +19,8 @@ pub struct SurfacePoint<F> {
     pub n: Vec3<F>,
     /// Density with respect to area, 1/m^2.
     pub pdf: F,
+    /// Radiance there, where it is not the same everywhere.
+    pub radiance: Option<Rgb<F>>,
 }
 
 /// A surface that can be sampled uniformly.
@@ -32,12 +35,12 @@ pub trait SampleArea {
     fn area(&self) -> f32;
 }
 
-/// A surface that shines with the same radiance everywhere.
+/// A surface that shines.
 #[derive(Clone, Debug)]
 pub struct Area<S> {
     /// The surface.
     pub surface: S,
-    /// Emitted radiance.
+    /// Emitted radiance; its mean where the surface says that it is not the same everywhere.
     pub radiance: Rgb<f32>,
     /// Whether the back shines too.
     pub two_sided: bool,
@@ -47,7 +50,7 @@ impl<S: SampleArea> Area<S> {
     #[inline(always)]
     pub(super) fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
         let like = at.p.x;
-        let SurfacePoint { p, n, pdf } = self.surface.sample_area(like, u2);
+        let SurfacePoint { p, n, pdf, radiance } = self.surface.sample_area(like, u2);
         let way = p - at.p;
         let distance2 = way.length2();
         let wi = way * distance2.max(1e-30).rsqrt();
@@ -55,7 +58,11 @@ impl<S: SampleArea> Area<S> {
         let cos = if self.two_sided { facing.abs() } else { facing };
         let pdf = distance2 * pdf / cos.max(1e-30);
         let valid = cos.gt(0.0) & distance2.gt(0.0) & wi.dot(at.n).gt(0.0) & pdf.is_finite();
-        LightSample { wi, p, li: Rgb::splat(like, self.radiance), pdf, valid }
+        let li = match radiance {
+            Some(own) => own,
+            None => Rgb::splat(like, self.radiance),
+        };
+        LightSample { wi, p, li, pdf, valid }
     }
 
     pub(super) fn pdf(&self, at: Reference<f32>, wi: Vec3<f32>, emitter: &Emitter) -> f32 {
@@ -97,7 +104,12 @@ impl SampleArea for RectangleArea {
         let along_u = Vec3::splat(like, self.edge_u) * (u * 2.0 - 1.0);
         let along_v = Vec3::splat(like, self.edge_v) * (v * 2.0 - 1.0);
         let p = Vec3::splat(like, self.center) + along_u + along_v;
-        SurfacePoint { p, n: Vec3::splat(like, self.normal), pdf: like.splat(1.0 / self.area) }
+        SurfacePoint {
+            p,
+            n: Vec3::splat(like, self.normal),
+            pdf: like.splat(1.0 / self.area),
+            radiance: None,
+        }
     }
 
     fn pdf_area(&self, _prim: u32) -> f32 {
@@ -135,7 +147,12 @@ impl SampleArea for DiscArea {
         let [x, y] = warp::disc(u2);
         let p =
             Vec3::splat(like, self.center) + Vec3::splat(like, self.x) * x + Vec3::splat(like, self.y) * y;
-        SurfacePoint { p, n: Vec3::splat(like, self.normal), pdf: like.splat(1.0 / self.area) }
+        SurfacePoint {
+            p,
+            n: Vec3::splat(like, self.normal),
+            pdf: like.splat(1.0 / self.area),
+            radiance: None,
+        }
     }
 
     fn pdf_area(&self, _prim: u32) -> f32 {
@@ -158,6 +175,33 @@ pub struct MeshArea {
     areas: Vec<f32>,
     choice: Table1d,
     area: f32,
+    paint: Option<Paint>,
+}
+
+/// Radiance over triangles.
+#[derive(Clone, Debug)]
+struct Paint {
+    /// Six surface parameters for each triangle.
+    uvs: Vec<f32>,
+    radiance: Texture,
+}
+
+impl Paint {
+    /// The radiance of a point of the triangles by its barycentric weights.
+    #[inline(always)]
+    fn at<F: Lanes>(&self, index: F::Int, [b0, b1, b2]: [F; 3]) -> Rgb<F> {
+        let isa = index.isa();
+        let first = Wrapping::<u32>::wrapping_mul(index, 6);
+        let [a, b, c, d, e, f] = [
+            isa.gather(&self.uvs, first),
+            isa.gather(&self.uvs, Wrapping::<u32>::wrapping_add(first, 1)),
+            isa.gather(&self.uvs, Wrapping::<u32>::wrapping_add(first, 2)),
+            isa.gather(&self.uvs, Wrapping::<u32>::wrapping_add(first, 3)),
+            isa.gather(&self.uvs, Wrapping::<u32>::wrapping_add(first, 4)),
+            isa.gather(&self.uvs, Wrapping::<u32>::wrapping_add(first, 5)),
+        ];
+        self.radiance.at([a * b0 + c * b1 + e * b2, b * b0 + d * b1 + f * b2])
+    }
 }
 
 impl MeshArea {
@@ -173,7 +217,15 @@ impl MeshArea {
             let n = (b - a).cross(c - a).normalize_or_zero();
             [a, b, c, n].map(|v| v.to_array())
         };
-        Ok(Self { rows: triangles.iter().flat_map(row).collect(), areas, choice, area })
+        Ok(Self { rows: triangles.iter().flat_map(row).collect(), areas, choice, area, paint: None })
+    }
+
+    /// The same triangles with a radiance that changes over these surface parameters of their corners. Triangles are chosen by area,
+    /// however bright they are.
+    #[must_use]
+    pub fn painted(self, uvs: &[[glam::Vec2; 3]], radiance: Texture) -> Self {
+        let uvs = uvs.iter().flatten().flat_map(|uv| uv.to_array()).collect();
+        Self { paint: Some(Paint { uvs, radiance }), ..self }
     }
 
     #[inline(always)]
@@ -196,7 +248,11 @@ impl SampleArea for MeshArea {
         let [b0, b1, b2] = warp::triangle([within.min(1.0 - f32::EPSILON), v]);
         let p = self.vector(first, 0) * b0 + self.vector(first, 1) * b1 + self.vector(first, 2) * b2;
         let area = like.isa().gather(&self.areas, index);
-        SurfacePoint { p, n: self.vector(first, 3), pdf: probability / area }
+        let radiance = match &self.paint {
+            Some(paint) => Some(paint.at(index, [b0, b1, b2])),
+            None => None,
+        };
+        SurfacePoint { p, n: self.vector(first, 3), pdf: probability / area, radiance }
     }
 
     fn pdf_area(&self, prim: u32) -> f32 {

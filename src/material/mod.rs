@@ -1,15 +1,18 @@
 //! Textures and numbers that make a BSDF at an interaction.
 
 pub mod conductors;
+mod cut_out;
 mod media;
 mod scattering;
 
+pub use cut_out::CutOut;
 pub use media::{Crossing, Media};
 pub use scattering::{Facets, Layer, Scattering};
 
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
+use crate::texture::{NormalMap, Scalar, Spot, Texture};
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -41,13 +44,17 @@ pub struct Material {
     pub scattering: Scattering,
     /// The light it gives off.
     pub emission: Option<Emission>,
+    /// Its relief.
+    pub normal_map: Option<NormalMap>,
+    /// How much of it is there: below a half there is a hole.
+    pub opacity: Option<Scalar>,
 }
 
 /// Light that a surface gives off.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Emission {
     /// Radiance on the side of the normal.
-    pub radiance: Rgb<f32>,
+    pub radiance: Texture,
     /// Whether the other side shines too.
     pub two_sided: bool,
 }
@@ -59,25 +66,39 @@ impl Material {
         self.scattering.medium()
     }
 
+    /// Whether it shows any picture, or asks one for its normal.
+    #[must_use]
+    pub fn has_images(&self) -> bool {
+        let shows = self.emission.as_ref().is_some_and(|emission| emission.radiance.bitmap().is_some());
+        shows || self.scattering.has_images() || self.normal_map.is_some()
+    }
+
+    /// Whether anything of it changes over the surface parameters.
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        let changes = self.emission.as_ref().is_some_and(|emission| !emission.radiance.is_constant());
+        changes || self.scattering.is_textured() || self.normal_map.is_some()
+    }
+
     /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.
     #[must_use]
     pub fn is_interface(&self) -> bool {
         matches!(self.scattering, Scattering::Dielectric { .. })
     }
 
-    /// Radiance that leaves the surface, on its front or back.
+    /// Radiance that leaves the surface at a spot, on its front or back.
     #[must_use]
-    pub fn emitted(&self, front: bool) -> Rgb<f32> {
-        match self.emission {
-            Some(Emission { radiance, two_sided }) if front || two_sided => radiance,
+    pub fn emitted(&self, front: bool, spot: Spot<f32>) -> Rgb<f32> {
+        match &self.emission {
+            Some(Emission { radiance, two_sided }) if front || *two_sided => radiance.at(spot),
             _ => Rgb::BLACK,
         }
     }
 
-    /// How the surface scatters at surface parameters `uv`; absent for black ones. `eta` is the index of
+    /// How the surface scatters at a spot; absent for black ones. `eta` is the index of
     /// the far side over that of the near side, and matters to dielectrics only.
     #[inline(always)]
-    pub fn bsdf<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Mix<F>> {
-        self.scattering.bsdf(uv, eta)
+    pub fn bsdf<F: Lanes>(&self, spot: impl Into<Spot<F>>, eta: F) -> Option<Mix<F>> {
+        self.scattering.bsdf(spot.into(), eta)
     }
 }

@@ -1,6 +1,6 @@
 //! What a surface does with light.
 
-use crate::bsdf::microfacet::Distribution;
+use crate::bsdf::microfacet::{Beckmann, Distribution, Ggx, SMOOTHEST};
 use crate::bsdf::{
     Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, Metal, Mirror, Mix,
     OrenNayar, Over, Part, Phong, RoughConductor, RoughDielectric, Schlick, Spread, ThinDielectric,
@@ -8,7 +8,7 @@ use crate::bsdf::{
 use crate::material::Medium;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::Texture;
+use crate::texture::{Scalar, Spot, Texture};
 
 /// What a surface does with light.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,10 +27,10 @@ pub enum Scattering {
         /// From 0, smooth, to 1.
         roughness: f32,
     },
-    /// A mirror of constant reflectance.
+    /// A mirror, the same at all angles.
     Mirror {
         /// Fraction reflected.
-        reflectance: Rgb<f32>,
+        reflectance: Texture,
     },
     /// Metal.
     Conductor {
@@ -85,13 +85,29 @@ pub enum Scattering {
 }
 
 /// How rough a surface is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Facets {
     /// How normals are spread.
     pub distribution: Distribution<f32>,
     /// By how many radians the first tangent is turned about the normal, counter-clockwise seen from outside; absent where the
     /// spread is the same in all directions.
     pub turn: Option<f32>,
+    /// The width of the spread where it changes over the surface, instead of that of `distribution`; alike in all directions.
+    pub width: Option<Scalar>,
+}
+
+impl Facets {
+    /// How normals are spread at a spot.
+    #[inline(always)]
+    fn at<F: Lanes>(&self, spot: Spot<F>) -> Distribution<F> {
+        let spread = self.distribution.spread(spot.footprint);
+        let Some(width) = &self.width else { return spread };
+        let alpha = width.at(spot).max(SMOOTHEST);
+        match spread {
+            Distribution::Ggx(_) => Distribution::Ggx(Ggx { alpha_x: alpha, alpha_y: alpha }),
+            Distribution::Beckmann(_) => Distribution::Beckmann(Beckmann { alpha_x: alpha, alpha_y: alpha }),
+        }
+    }
 }
 
 /// A part of a mix.
@@ -106,11 +122,11 @@ pub struct Layer {
 impl Scattering {
     /// How the surface scatters; see [`crate::material::Material::bsdf`].
     #[inline(always)]
-    pub(super) fn bsdf<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Mix<F>> {
-        let Self::Mix(layers) = self else { return Some(Mix::of(eta, self.single(uv, eta)?)) };
+    pub(super) fn bsdf<F: Lanes>(&self, spot: Spot<F>, eta: F) -> Option<Mix<F>> {
+        let Self::Mix(layers) = self else { return Some(Mix::of(eta, self.single(spot, eta)?)) };
         let mut mix = Mix::nothing();
         for layer in layers {
-            if let Some(bsdf) = layer.scattering.single(uv, eta) {
+            if let Some(bsdf) = layer.scattering.single(spot, eta) {
                 mix.push(Part { weight: layer.weight.spread(eta), bsdf });
             }
         }
@@ -119,33 +135,34 @@ impl Scattering {
 
     /// How one surface scatters, as [`crate::material::Material::bsdf`]; absent for black ones and for mixes.
     #[inline(always)]
-    pub fn single<F: Lanes>(&self, uv: [F; 2], eta: F) -> Option<Bsdf<F>> {
+    pub fn single<F: Lanes>(&self, spot: impl Into<Spot<F>>, eta: F) -> Option<Bsdf<F>> {
+        let spot = spot.into();
         Some(match self {
-            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(uv) }),
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(Diffuse { reflectance: reflectance.at(spot) }),
             Self::OrenNayar { reflectance, roughness } => {
                 let roughness = eta.splat(*roughness);
-                Bsdf::OrenNayar(OrenNayar { reflectance: reflectance.at(uv), roughness })
+                Bsdf::OrenNayar(OrenNayar { reflectance: reflectance.at(spot), roughness })
             }
-            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: reflectance.spread(eta) }),
+            Self::Mirror { reflectance } => Bsdf::Mirror(Mirror { reflectance: reflectance.at(spot) }),
             Self::Conductor { metal, facets: None } => {
                 Bsdf::Conductor(Conductor { metal: metal.spread(eta) })
             }
-            Self::Conductor { metal, facets: Some(Facets { distribution, .. }) } => {
-                let (metal, facets) = (metal.spread(eta), distribution.spread(eta));
+            Self::Conductor { metal, facets: Some(facets) } => {
+                let (metal, facets) = (metal.spread(eta), facets.at(spot));
                 Bsdf::RoughConductor(RoughConductor { metal, facets })
             }
             Self::Dielectric { fresnel, facets: None, .. } => {
                 Bsdf::Dielectric(Dielectric { glass: Glass::new(*fresnel, eta) })
             }
-            Self::Dielectric { fresnel, facets: Some(Facets { distribution, .. }), .. } => {
-                let (glass, facets) = (Glass::new(*fresnel, eta), distribution.spread(eta));
+            Self::Dielectric { fresnel, facets: Some(facets), .. } => {
+                let (glass, facets) = (Glass::new(*fresnel, eta), facets.at(spot));
                 Bsdf::RoughDielectric(RoughDielectric { glass, facets })
             }
             Self::ThinDielectric(pane) => Bsdf::ThinDielectric(pane.spread(eta)),
-            Self::Glossy { lobe, base } => Bsdf::Glossy(over(lobe.spread(eta), base.at(uv))),
-            Self::Phong { lobe, base } => Bsdf::Phong(over(lobe.spread(eta), base.at(uv))),
-            Self::Jitter { lobe, base } => Bsdf::Jitter(over(lobe.spread(eta), base.at(uv))),
-            Self::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(uv))),
+            Self::Glossy { lobe, base } => Bsdf::Glossy(over(lobe.spread(eta), base.at(spot))),
+            Self::Phong { lobe, base } => Bsdf::Phong(over(lobe.spread(eta), base.at(spot))),
+            Self::Jitter { lobe, base } => Bsdf::Jitter(over(lobe.spread(eta), base.at(spot))),
+            Self::Glazed { coat, base } => Bsdf::Glazed(coat.over(base.at(spot))),
             Self::Schlick(surface) => Bsdf::Schlick(surface.spread(eta)),
             Self::Black | Self::Mix(_) => return None,
         })
@@ -181,14 +198,38 @@ impl Scattering {
     /// Whether anything of it changes over the surface.
     #[must_use]
     pub fn is_textured(&self) -> bool {
-        self.parts().any(|part| match part {
-            Self::Diffuse { reflectance } | Self::OrenNayar { reflectance, .. } => !reflectance.is_constant(),
+        self.parts().any(|part| part.texture().is_some_and(|t| !t.is_constant()) || part.width().is_some())
+    }
+
+    /// Whether it shows any picture.
+    #[must_use]
+    pub fn has_images(&self) -> bool {
+        self.parts()
+            .any(|part| part.texture().is_some_and(|t| t.bitmap().is_some()) || part.width().is_some())
+    }
+
+    /// What colours a single surface.
+    fn texture(&self) -> Option<&Texture> {
+        match self {
+            Self::Diffuse { reflectance }
+            | Self::OrenNayar { reflectance, .. }
+            | Self::Mirror { reflectance } => Some(reflectance),
             Self::Glossy { base, .. }
             | Self::Phong { base, .. }
             | Self::Jitter { base, .. }
-            | Self::Glazed { base, .. } => !base.is_constant(),
-            _ => false,
-        })
+            | Self::Glazed { base, .. } => Some(base),
+            _ => None,
+        }
+    }
+
+    /// How rough a single surface is, where that changes over it.
+    fn width(&self) -> Option<&Scalar> {
+        match self {
+            Self::Conductor { facets, .. } | Self::Dielectric { facets, .. } => {
+                facets.as_ref()?.width.as_ref()
+            }
+            _ => None,
+        }
     }
 
     /// The medium that the surface bounds.

@@ -9,6 +9,7 @@
 //! names exist; whether those files can be read and whether a transform is invertible is found out later.
 
 use crate::error::Place;
+use crate::image::RASTERS;
 use crate::math::Rgb;
 use crate::scene::load::{EXTENSIONS, check};
 use crate::scene::record::{Value, choice, record, tagged};
@@ -59,6 +60,8 @@ pub enum Texture {
     Constant(Rgb<f32>),
     /// Two colours by turns.
     Checker(Checker),
+    /// A picture.
+    Image(Box<ImageTexture>),
 }
 
 impl Texture {
@@ -77,6 +80,107 @@ record! {
         /// How many fields there are along u and along v between 0 and 1.
         repeat: [f32; 2] = [2.0, 2.0], above(0.0), max(1e6);
     }
+}
+
+record! {
+    /// A picture over surface parameters: its lower left corner is at 0, its upper right one at 1.
+    pub struct ImageTexture {
+        /// A PNG, JPEG, EXR or HDR file.
+        file: Located<PathBuf>, file(RASTERS);
+        /// What its numbers stand for; absent: `srgb` for colours of PNG and JPEG files, else `linear`.
+        space: Option<Space>;
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1; negative numbers mirror it.
+        repeat: [f32; 2] = [1.0, 1.0], min(-1e6), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+        /// What its colours are multiplied by; what is reflected is cut at 1.
+        factor: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1e20);
+    }
+}
+
+record! {
+    /// One number per point of a picture over surface parameters.
+    pub struct ScalarTexture {
+        /// A PNG, JPEG, EXR or HDR file.
+        file: Located<PathBuf>, file(RASTERS);
+        /// Which of its numbers; absent: `a` for an opacity where the file has it, else `r`.
+        channel: Option<Channel>;
+        /// What its numbers stand for.
+        space: Space = Space::Linear;
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1; negative numbers mirror it.
+        repeat: [f32; 2] = [1.0, 1.0], min(-1e6), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+        /// What the number is multiplied by; beyond 1 it is cut.
+        factor: f32 = 1.0, min(0.0), max(1e6);
+    }
+}
+
+record! {
+    /// A picture of normals in tangent space: red, green and blue from 0 to 1 are -1 to 1 along u, along v and outwards.
+    pub struct NormalMap {
+        /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
+        file: Located<PathBuf>, file(RASTERS);
+        /// What the lean along u and v is multiplied by.
+        strength: f32 = 1.0, min(0.0), max(100.0);
+        /// Whether green counts against v, as some programs write it.
+        flip_y: bool = false;
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1.
+        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+    }
+}
+
+choice! {
+    /// What the numbers of a picture stand for.
+    pub enum Space {
+        /// Light by the curve of sRGB.
+        "srgb" => Srgb,
+        /// Light, or other numbers, as they are.
+        "linear" => Linear,
+    }
+}
+
+choice! {
+    /// What is beyond the edges of a picture.
+    pub enum Wrap {
+        /// The picture again.
+        "repeat" => Repeat,
+        /// The picture again, every other time mirrored.
+        "mirror" => Mirror,
+        /// The colour of the edge.
+        "clamp" => Clamp,
+    }
+}
+
+choice! {
+    /// One number of a picture.
+    pub enum Channel {
+        /// Red, or the shade of a gray picture.
+        "r" => Red,
+        /// Green.
+        "g" => Green,
+        /// Blue.
+        "b" => Blue,
+        /// Coverage; 1 where the file has none, or holds 32-bit numbers.
+        "a" => Alpha,
+    }
+}
+
+/// A width of facets that may vary over a surface, then alike in all directions.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Roughness {
+    /// The same everywhere.
+    Constant(PerTangent),
+    /// A picture.
+    Image(Box<ScalarTexture>),
 }
 
 record! {
@@ -408,15 +512,19 @@ choice! {
 record! {
     /// What a surface is made of.
     pub struct Material {
-        /// Radiance it gives off besides, on the side of its normals.
-        emission: Rgb<f32> = Rgb::BLACK, unit("W/(sr m^2)"), min(0.0), max(1e20);
+        /// Radiance it gives off besides, on the side of its normals; a picture or a pattern on meshes and rectangles only.
+        emission: Texture = Texture::gray(0.0), unit("W/(sr m^2)"), min(0.0), max(1e20);
+        /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
+        normal_map: Option<NormalMap>;
+        /// Holes: where this is below 0.5 there is no surface. For materials that do not shine.
+        opacity: Option<ScalarTexture>;
         ..scattering: Scattering, "What it does with light.";
     }
 }
 
 impl From<Scattering> for Material {
     fn from(scattering: Scattering) -> Self {
-        Self { emission: Rgb::BLACK, scattering }
+        Self { emission: Texture::gray(0.0), normal_map: None, opacity: None, scattering }
     }
 }
 
@@ -438,13 +546,13 @@ tagged! {
         /// An ideal mirror, the same at all angles.
         "mirror" => Mirror {
             /// The part of the light that is reflected, per channel.
-            reflectance: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1.0);
+            reflectance: Texture = Texture::gray(1.0), min(0.0), max(1.0);
         }
         /// A metal.
         "conductor" => Conductor {
-            /// Width of the distribution of facets, one number or one along each tangent; 0 is a mirror. Tangents follow the
+            /// Width of the distribution of facets, one number or one along each tangent, or a picture; 0 is a mirror. Tangents follow the
             /// texture coordinates of a mesh, and run around the y axis where there are none.
-            alpha: PerTangent = PerTangent([0.0; 2]), min(0.0), max(1.0);
+            alpha: Roughness = Roughness::Constant(PerTangent([0.0; 2])), min(0.0), max(1.0);
             /// How the normals of the facets are spread.
             distribution: Distribution = Distribution::Ggx;
             /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
@@ -461,9 +569,9 @@ tagged! {
             absorption: Rgb<f32> = Rgb::gray(0.0), unit("1/m"), min(0.0), max(1e9);
             /// Where bodies overlap, the one of the highest priority is there.
             priority: i32 = 0;
-            /// Width of the distribution of facets, one number or one along each tangent; 0 is polished. Tangents follow the
+            /// Width of the distribution of facets, one number or one along each tangent, or a picture; 0 is polished. Tangents follow the
             /// texture coordinates of a mesh, and run around the y axis where there are none.
-            alpha: PerTangent = PerTangent([0.0; 2]), min(0.0), max(1.0);
+            alpha: Roughness = Roughness::Constant(PerTangent([0.0; 2])), min(0.0), max(1.0);
             /// How the normals of the facets are spread.
             distribution: Distribution = Distribution::Ggx;
             /// Turns the tangents about the normal, counter-clockwise seen from outside; for two widths.
@@ -536,8 +644,8 @@ tagged! {
         }
         /// A surface that shines and reflects nothing.
         "emission" => Emission {
-            /// What it emits in every direction.
-            radiance: Rgb<f32>, unit("W/(sr m^2)"), min(0.0), max(1e20);
+            /// What it emits in every direction; a picture or a pattern on meshes and rectangles only.
+            radiance: Texture, unit("W/(sr m^2)"), min(0.0), max(1e20);
             /// Whether it shines on both sides, not only on that of its normals.
             two_sided: bool = false;
         }
@@ -562,7 +670,7 @@ impl Scattering {
             ior,
             absorption: Rgb::BLACK,
             priority: 0,
-            alpha: PerTangent([0.0; 2]),
+            alpha: Roughness::Constant(PerTangent([0.0; 2])),
             distribution: Distribution::Ggx,
             rotate_deg: 0.0,
             fresnel: None,
@@ -574,7 +682,7 @@ impl Scattering {
     pub const fn metal(alpha: f32, optics: Optics) -> Self {
         let distribution = Distribution::Ggx;
         Self::Conductor {
-            alpha: PerTangent([alpha; 2]),
+            alpha: Roughness::Constant(PerTangent([alpha; 2])),
             distribution,
             rotate_deg: 0.0,
             fresnel: None,

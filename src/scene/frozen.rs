@@ -6,6 +6,7 @@ use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::description::{Film, GlassShadows, Render};
+use crate::texture::Bitmap;
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -16,6 +17,8 @@ pub struct Scene {
     pub world: Arc<World>,
     /// The materials, named by [`MaterialId`].
     pub materials: Vec<Material>,
+    /// The pictures that surfaces show, each once.
+    pub textures: Vec<Arc<Bitmap>>,
     /// The lights, named by [`LightId`]; every one can shine.
     pub lights: Vec<Light>,
     /// Where pictures are taken from.
@@ -110,6 +113,18 @@ impl Scene {
     #[must_use]
     pub fn is_moving(&self) -> bool {
         self.camera.is_moving() || self.world.is_moving()
+    }
+
+    /// Whether any surface shows a picture.
+    #[must_use]
+    pub fn has_images(&self) -> bool {
+        !self.textures.is_empty()
+    }
+
+    /// Bytes of memory that pictures on surfaces take.
+    #[must_use]
+    pub fn texture_bytes(&self) -> usize {
+        self.textures.iter().map(|bitmap| bitmap.bytes()).sum()
     }
 
     /// Whether any surface bounds a transparent medium.

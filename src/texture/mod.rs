@@ -1,11 +1,40 @@
 //! Values over a surface.
+//!
+//! A texture is asked at a [`Spot`]: surface parameters, and how wide the ray is there. Pictures are shared by all textures that
+//! show them.
+
+mod bitmap;
+mod mapped;
+mod normal_map;
+mod scalar;
+
+pub use bitmap::{Bitmap, Space};
+pub use mapped::{Channel, Mapped, Wrap};
+pub use normal_map::NormalMap;
+pub use scalar::Scalar;
 
 use crate::math::Rgb;
 use crate::math::lanes::{Lanes, Select};
 use glam::Vec2;
 
+/// Where a texture is asked.
+#[derive(Clone, Copy, Debug)]
+pub struct Spot<F> {
+    /// Surface parameters.
+    pub uv: [F; 2],
+    /// How wide the ray is, in surface parameters; 0 for a point.
+    pub footprint: F,
+}
+
+impl<F: Lanes> From<[F; 2]> for Spot<F> {
+    #[inline(always)]
+    fn from(uv: [F; 2]) -> Self {
+        Self { uv, footprint: uv[0].splat(0.0) }
+    }
+}
+
 /// A colour that may change over a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Texture {
     /// The same everywhere.
     Constant(Rgb<f32>),
@@ -16,6 +45,15 @@ pub enum Texture {
         /// Fields per unit of each surface parameter.
         repeat: Vec2,
     },
+    /// A picture.
+    Image {
+        /// The picture and how it lies.
+        map: Mapped,
+        /// What its colours are multiplied by.
+        factor: Rgb<f32>,
+        /// What no channel exceeds: 1 for what is reflected, infinity for light.
+        limit: f32,
+    },
 }
 
 impl Texture {
@@ -25,9 +63,30 @@ impl Texture {
         matches!(self, Self::Constant(_))
     }
 
-    /// The colour at surface parameters.
+    /// The picture that it shows, if it does.
+    #[must_use]
+    pub fn bitmap(&self) -> Option<&Bitmap> {
+        if let Self::Image { map, .. } = self { Some(&map.bitmap) } else { None }
+    }
+
+    /// The mean over the surface parameters.
+    #[must_use]
+    pub fn mean(&self) -> Rgb<f32> {
+        match self {
+            Self::Constant(color) => *color,
+            Self::Checker { colors: [a, b], .. } => (*a + *b).scale(0.5),
+            Self::Image { map, factor, limit } => {
+                let [r, g, b, _] = map.bitmap.mean();
+                (Rgb::new(r, g, b) * *factor).clamp(0.0, *limit)
+            }
+        }
+    }
+
+    /// The colour at a spot.
     #[inline(always)]
-    pub fn at<F: Lanes>(&self, [u, v]: [F; 2]) -> Rgb<F> {
+    pub fn at<F: Lanes>(&self, spot: impl Into<Spot<F>>) -> Rgb<F> {
+        let spot = spot.into();
+        let [u, v] = spot.uv;
         match self {
             Self::Constant(color) => Rgb::splat(u, *color),
             Self::Checker { colors, repeat } => {
@@ -35,6 +94,9 @@ impl Texture {
                 let odd = (field - (field * 0.5).floor() * 2.0).ge(1.0);
                 let [even, other] = colors.map(|color| Rgb::splat(u, color));
                 Rgb::select(odd, other, even)
+            }
+            Self::Image { map, factor, limit } => {
+                (map.color_at(spot) * Rgb::splat(u, *factor)).clamp(0.0, *limit)
             }
         }
     }

@@ -7,6 +7,7 @@ use crate::geometry::{Hit, Points, Pose, Shape};
 use crate::math::Vec3;
 use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes, Select};
 use crate::scene::Scene;
+use crate::texture::Spot;
 
 /// The widest lanes.
 pub(super) const WIDEST: usize = 16;
@@ -19,6 +20,8 @@ pub(super) struct Met<S: Isa> {
     /// The material of each lane; unspecified where nothing was met.
     pub(super) materials: S::I,
     pub(super) placements: S::I,
+    /// How wide the rays are there, in surface parameters.
+    pub(super) footprint: S::F,
 }
 
 /// The hit of a lane.
@@ -46,7 +49,8 @@ impl<S: Isa> Met<S> {
         let materials = surfaces.materials(isa, scene, (placements, prims), met);
         let zero = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(0.0));
         let up = Vec3::new(isa.splat(0.0), isa.splat(0.0), isa.splat(1.0));
-        let mut points = Points { p: zero, p_error: zero, ng: up, ns: up, uv: [u, v] };
+        let mut points =
+            Points { p: zero, p_error: zero, ng: up, ns: up, uv: [u, v], density: isa.splat(0.0) };
         let mut bits = met.bits();
         while bits != 0 {
             let first = placements.extract(bits.trailing_zeros() as usize);
@@ -68,7 +72,13 @@ impl<S: Isa> Met<S> {
             points = Points::select(same, found, points);
             bits &= !same.bits();
         }
-        Self { hit: met, points, materials, placements }
+        Self { hit: met, points, materials, placements, footprint: isa.splat(0.0) }
+    }
+
+    /// Where textures are asked.
+    #[inline(always)]
+    pub(super) fn spot(&self) -> Spot<S::F> {
+        Spot { uv: self.points.uv, footprint: self.footprint }
     }
 }
 
@@ -83,20 +93,23 @@ fn one_by_one<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>,
         ng: vector(isa.load(&rows[6]), isa.load(&rows[7]), isa.load(&rows[8])),
         ns: vector(isa.load(&rows[9]), isa.load(&rows[10]), isa.load(&rows[11])),
         uv: [isa.load(&rows[12]), isa.load(&rows[13])],
+        density: isa.load(&rows[14]),
     }
 }
 
 /// Out of line: scalar work, the same for all instruction sets.
 #[inline(never)]
-fn rows_of<const N: usize>(scene: &Scene, packet: &Packet<N>, mut bits: u32) -> [[f32; WIDEST]; 14] {
-    let mut rows = [[0.0; WIDEST]; 14];
+fn rows_of<const N: usize>(scene: &Scene, packet: &Packet<N>, mut bits: u32) -> [[f32; WIDEST]; 15] {
+    let mut rows = [[0.0; WIDEST]; 15];
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let Some(hit) = hit_of(packet, lane) else { continue };
         let it = scene.world.interaction(&packet.ray.get(lane), &hit);
         let values = [it.p, it.p_error, it.ng, it.ns].map(|v| v.to_array());
-        let values = values.into_iter().flatten().chain(it.uv.to_array());
+        let grain = if scene.has_images() { scene.world.grain(&it) } else { None };
+        let density = grain.map_or(0.0, |grain| grain.density());
+        let values = values.into_iter().flatten().chain(it.uv.to_array()).chain([density]);
         rows.iter_mut().zip(values).for_each(|(row, value)| row[lane] = value);
     }
     rows

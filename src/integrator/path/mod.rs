@@ -24,6 +24,7 @@ mod wave;
 pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
+use crate::integrator::cone::Beam;
 use crate::integrator::{Counters, Stage};
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
@@ -89,6 +90,7 @@ impl Path {
             bounces_in_packets: self.bounces_in_packets,
             media: stage.scene.has_media(),
             turns: stage.turns(),
+            beam: Beam::of(stage.scene),
         };
         match self.level {
             #[cfg(target_arch = "x86_64")]

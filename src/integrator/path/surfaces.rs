@@ -2,7 +2,7 @@
 
 use super::met::WIDEST;
 use crate::geometry::PlacementId;
-use crate::material::Scattering;
+use crate::material::Material;
 use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes};
 use crate::scene::Scene;
 
@@ -17,6 +17,8 @@ pub(super) struct Surfaces {
     shines: Vec<u32>,
     /// Whether any changes over its surface.
     pub(super) textured: bool,
+    /// Whether any has a relief.
+    pub(super) reliefs: bool,
     /// Whether any leaves a choice of ways on.
     pub(super) choices: bool,
 }
@@ -26,9 +28,10 @@ impl Surfaces {
         let placements = (0..).map(PlacementId).take(scene.world.placements.len());
         let materials = placements.map(|id| scene.only_material_of(id).map_or(SEVERAL, |id| id.0)).collect();
         let shines = scene.materials.iter().map(|material| u32::from(material.emission.is_some())).collect();
-        let any = |has: fn(&Scattering) -> bool| scene.materials.iter().any(|m| has(&m.scattering));
-        let (textured, choices) = (any(Scattering::is_textured), any(Scattering::has_choice));
-        Self { materials, shines, textured, choices }
+        let any = |has: fn(&Material) -> bool| scene.materials.iter().any(has);
+        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.normal_map.is_some()));
+        let choices = any(|m| m.scattering.has_choice());
+        Self { materials, shines, textured, reliefs, choices }
     }
 
     /// The material of each lane of the mask; unspecified in the others.

@@ -8,14 +8,16 @@ use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, answer};
 use crate::bsdf::{Lobe, with_lobe};
 use crate::geometry::{PlacementId, spawn};
+use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
-use crate::integrator::{Counters, Stage};
+use crate::integrator::{Counters, Stage, relief};
 use crate::light::{Emitter, Light, LightId, LightSample, Reference};
 use crate::material::{Layer, Material, Media, Scattering};
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
+use crate::texture::Spot;
 
 /// What is the same for all vertices of a rendering.
 #[derive(Debug)]
@@ -33,6 +35,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) media: bool,
     /// Whether any surface is not the same in all directions.
     pub(super) turns: bool,
+    /// Where surfaces show pictures: what the widths of rays follow from.
+    pub(super) beam: Option<Beam>,
 }
 
 /// One chunk of paths at the ends of their rays.
@@ -62,7 +66,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
         let Wave { paths, shadows, guards, slots } = wave;
         let lanes = State::load(isa, paths, at);
-        let met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
+        let mut met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
         if met.hit.none() {
             return 0;
@@ -70,9 +74,13 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if depth == 1 {
             slots.meet(met.hit, lanes.slot);
         }
+        let cone = around.beam.map(|beam| lanes.cone(isa, (paths, at), (beam, depth), &mut met));
         shine(isa, around, slots, (&lanes, &met), packet);
         if depth >= around.max_depth {
             return 0;
+        }
+        if around.surfaces.reliefs {
+            met.points.ns = relieved(isa, around.scene, packet, &met);
         }
         let wo = -lanes.d;
         let normals = [met.points.ng, met.points.ns];
@@ -109,6 +117,9 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if around.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
         }
+        if let (Some(beam), Some((cone, length))) = (around.beam, cone) {
+            paths.widen(to, next.goes, beam.scattered(cone, length, next.pdf));
+        }
         next.store(paths, to, &lanes)
     }
 }
@@ -135,6 +146,21 @@ impl<S: Isa> State<S> {
             pdf: paths.pdf.load(isa, at),
             slot: rays.slot.load(isa, at),
         }
+    }
+
+    /// The cones about the rays and their lengths; how wide they are on the surfaces is noted.
+    #[inline(always)]
+    fn cone(
+        &self,
+        isa: S,
+        (paths, at): (&Paths, usize),
+        (beam, depth): (Beam, u32),
+        met: &mut Met<S>,
+    ) -> (Cone<S::F>, S::F) {
+        let cone = if depth == 1 { beam.start(isa.splat(0.0)) } else { paths.cone(isa, at) };
+        let length = (met.points.p - self.o).length();
+        met.footprint = cone.footprint(length, self.d.dot(met.points.ng), met.points.density);
+        (cone, length)
     }
 }
 
@@ -192,7 +218,9 @@ fn shine<S: Isa, const N: usize>(
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let (ng, d) = (met.points.ng.extract(lane), lanes.d.extract(lane));
-        let emitted = scene.materials[met.materials.extract(lane) as usize].emitted(d.dot(ng) < 0.0);
+        let uv = met.points.uv.map(|x| x.extract(lane));
+        let spot = Spot { uv, footprint: met.footprint.extract(lane) };
+        let emitted = scene.materials[met.materials.extract(lane) as usize].emitted(d.dot(ng) < 0.0, spot);
         let placement = PlacementId(met.placements.extract(lane));
         let emitter =
             Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };
@@ -221,6 +249,40 @@ fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
         }
     }
     Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+}
+
+/// Shading normals, those of surfaces with a relief turned as it says: one by one, as tangents.
+#[inline(always)]
+fn relieved<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, met: &Met<S>) -> Vec3<S::F> {
+    let ns = met.points.ns;
+    let mut rows = [[0.0; WIDEST]; 3];
+    ns.x.store(&mut rows[0]);
+    ns.y.store(&mut rows[1]);
+    ns.z.store(&mut rows[2]);
+    let mut bits = met.hit.bits();
+    while bits != 0 {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits - 1;
+        let material = &scene.materials[met.materials.extract(lane) as usize];
+        if material.normal_map.is_none() {
+            continue;
+        }
+        if let Some(ns) = relief_of(scene, (packet, lane), material, met.footprint.extract(lane)) {
+            [rows[0][lane], rows[1][lane], rows[2][lane]] = ns.to_array();
+        }
+    }
+    Vec3::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+}
+
+#[inline(never)]
+fn relief_of<const N: usize>(
+    scene: &Scene,
+    (packet, lane): (&Packet<N>, usize),
+    material: &Material,
+    footprint: f32,
+) -> Option<glam::Vec3> {
+    let it = scene.world.interaction(&packet.ray.get(lane), &hit_of(packet, lane)?);
+    relief::normal(scene, &it, material, Spot { uv: it.uv.into(), footprint })
 }
 
 #[inline(never)]
@@ -376,7 +438,7 @@ fn of_material<S: Isa>(
 ) -> Answer<S::F> {
     match scattering {
         Scattering::Mix(layers) => of_layers(isa, layers, (met, eta), question),
-        single => match single.single(met.points.uv, eta) {
+        single => match single.single(met.spot(), eta) {
             Some(bsdf) => with_lobe!(&bsdf, lobe => ask(isa, lobe, question)),
             None => Answer::black(question.wo),
         },
@@ -402,7 +464,7 @@ fn of_layers<S: Isa>(
         if share_of(layer) <= 0.0 {
             continue;
         }
-        let Some(bsdf) = layer.scattering.single(met.points.uv, eta) else { continue };
+        let Some(bsdf) = layer.scattering.single(met.spot(), eta) else { continue };
         let chosen = question.choice.ge(at);
         let inverse = 1.0 / probability;
         // What is left of the number is as good as new within the layer.

@@ -3,6 +3,7 @@
 use crate::accel::{Packet, RayPacket};
 use crate::geometry::Ray;
 use crate::integrator::Radiance;
+use crate::integrator::cone::Cone;
 use crate::material::Media;
 use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes, Wrapping};
 use crate::math::{Rgb, Vec3};
@@ -191,6 +192,8 @@ pub(super) struct Paths {
     pub(super) beta: Columns3,
     /// Density of the ray's direction; 0 where lights are not asked for the same.
     pub(super) pdf: Column,
+    /// Width and spread of the cone about the ray, from the second edge on; unused where no surface shows a picture.
+    cone: [Column; 2],
 }
 
 impl Paths {
@@ -198,6 +201,22 @@ impl Paths {
         self.rays.reserve(len);
         self.beta.reserve(len);
         self.pdf.reserve(len);
+        self.cone.iter_mut().for_each(|column| column.reserve(len));
+    }
+
+    /// The cones about the rays of a chunk.
+    #[inline(always)]
+    pub(super) fn cone<S: Isa>(&self, isa: S, at: usize) -> Cone<S::F> {
+        let [width, spread] = &self.cone;
+        Cone { width: width.load(isa, at), spread: spread.load(isa, at) }
+    }
+
+    /// Packs the cones of the lanes of the mask to `at` and on.
+    #[inline(always)]
+    pub(super) fn widen<F: Lanes>(&mut self, at: usize, mask: F::Mask, cone: Cone<F>) {
+        let [width, spread] = &mut self.cone;
+        width.store(at, cone.width.compress(mask));
+        spread.store(at, cone.spread.compress(mask));
     }
 
     /// What a medium leaves of the light of path `i`.

@@ -11,6 +11,7 @@ use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
 use crate::scene::build::{Builder, forms, number, steps, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
+use crate::texture::Texture;
 use glam::DAffine3;
 use std::path::PathBuf;
 
@@ -67,8 +68,13 @@ impl Builder {
 
     /// Adds a light with its surface; without power it is a black surface.
     fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>, origin: &Place) {
-        let emission = Some(Emission { radiance, two_sided: false });
-        let material = self.add_material(Material { scattering: Scattering::Black, emission });
+        let emission = Some(Emission { radiance: Texture::Constant(radiance), two_sided: false });
+        let material = self.add_material(Material {
+            scattering: Scattering::Black,
+            emission,
+            normal_map: None,
+            opacity: None,
+        });
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material], origin);
         self.surfaces[placement.index()].light = self.add_light(light);

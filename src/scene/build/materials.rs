@@ -8,7 +8,7 @@ use crate::error::Problem;
 use crate::material::{Emission, Facets, Layer, Material, Medium, Scattering, conductors};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
-use crate::scene::description::{self, Fresnel, MixPart, Named, Optics, PerTangent};
+use crate::scene::description::{self, Fresnel, MixPart, Named, Optics, PerTangent, Roughness};
 use crate::texture::Texture;
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
@@ -32,7 +32,7 @@ impl Builder {
         let before = self.warnings.len();
         let material = self.material(&named.value);
         for warning in &mut self.warnings[before..] {
-            warning.place = Some(named.place.clone());
+            warning.place.get_or_insert_with(|| named.place.clone());
         }
         Some(material)
     }
@@ -71,29 +71,56 @@ impl Builder {
             let remedy = "let one part at most be a `dielectric`";
             self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
         }
-        shining(Scattering::Mix(layers), named.value.emission)
+        self.finished(Scattering::Mix(layers), &named.value)
     }
 
     pub(super) fn material(&mut self, material: &description::Material) -> Material {
-        if let description::Scattering::Emission { radiance, two_sided } = material.scattering {
-            let radiance = radiance + material.emission;
-            let two_sided = two_sided && material.emission.is_black();
-            let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided });
-            return Material { scattering: Scattering::Black, emission };
+        if let description::Scattering::Emission { radiance, two_sided } = &material.scattering {
+            use description::Texture::Constant;
+            let (radiance, two_sided) = match (radiance, &material.emission) {
+                (Constant(radiance), Constant(besides)) => {
+                    (Texture::Constant(*radiance + *besides), *two_sided && besides.is_black())
+                }
+                (radiance, Constant(besides)) if besides.is_black() => {
+                    (self.colored(radiance, f32::INFINITY), *two_sided)
+                }
+                (radiance, _) => {
+                    let what = "`emission` beside a `radiance`, one of them a texture, is ignored";
+                    self.warnings.push(Problem::new(what).remedy("give one of them"));
+                    (self.colored(radiance, f32::INFINITY), *two_sided)
+                }
+            };
+            let emission = shining(radiance, two_sided);
+            return Material { emission, ..self.finished(Scattering::Black, material) };
         }
         let scattering = self.matt(&material.scattering).unwrap_or_else(|| self.shiny(&material.scattering));
-        shining(scattering, material.emission)
+        self.finished(scattering, material)
+    }
+
+    /// A surface that scatters like this, with all else that is said of it; it may shine on the side of its normals.
+    fn finished(&mut self, scattering: Scattering, described: &description::Material) -> Material {
+        let emission = match described.scattering {
+            description::Scattering::Emission { .. } => None,
+            _ => shining(self.colored(&described.emission, f32::INFINITY), false),
+        };
+        let normal_map = described.normal_map.as_ref().and_then(|map| self.normal_map(map));
+        let opacity = described.opacity.as_ref().and_then(|image| self.opacity(image));
+        Material { scattering, emission, normal_map, opacity }
     }
 
     /// Surfaces without an interface.
-    fn matt(&self, scattering: &description::Scattering) -> Option<Scattering> {
+    fn matt(&mut self, scattering: &description::Scattering) -> Option<Scattering> {
         use description::Scattering as Described;
         Some(match scattering {
-            Described::Diffuse { reflectance } => Scattering::Diffuse { reflectance: texture(reflectance) },
-            Described::OrenNayar { reflectance, roughness } => {
-                Scattering::OrenNayar { reflectance: texture(reflectance), roughness: *roughness }
+            Described::Diffuse { reflectance } => {
+                Scattering::Diffuse { reflectance: self.texture(reflectance) }
             }
-            &Described::Mirror { reflectance } => Scattering::Mirror { reflectance },
+            Described::OrenNayar { reflectance, roughness } => {
+                Scattering::OrenNayar { reflectance: self.texture(reflectance), roughness: *roughness }
+            }
+            Described::Mirror { reflectance } => {
+                Scattering::Mirror { reflectance: self.texture(reflectance) }
+            }
             Described::Glossy { exponent, reflectance, diffuse, below } => {
                 let below = match below {
                     description::Below::ThroughR => Below::ThroughR,
@@ -101,7 +128,7 @@ impl Builder {
                     description::Below::Rejection => Below::Rejection,
                 };
                 let lobe = Glossy { reflectance: *reflectance, exponent: *exponent, below };
-                Scattering::Glossy { lobe, base: texture(diffuse) }
+                Scattering::Glossy { lobe, base: self.texture(diffuse) }
             }
             Described::Phong { exponent, reflectance, diffuse, scale } => {
                 let scale = match scale {
@@ -109,11 +136,11 @@ impl Builder {
                     description::PhongScale::MaxCosine => PhongScale::MaxCosine,
                 };
                 let lobe = Phong { reflectance: *reflectance, exponent: *exponent, scale };
-                Scattering::Phong { lobe, base: texture(diffuse) }
+                Scattering::Phong { lobe, base: self.texture(diffuse) }
             }
             Described::Jitter { exponent, reflectance, diffuse } => {
                 let lobe = Jitter { reflectance: *reflectance, exponent: *exponent };
-                Scattering::Jitter { lobe, base: texture(diffuse) }
+                Scattering::Jitter { lobe, base: self.texture(diffuse) }
             }
             &Described::Schlick { color, roughness, isotropy } => {
                 Scattering::Schlick(Schlick::new(color, roughness, isotropy))
@@ -129,20 +156,20 @@ impl Builder {
             Described::Conductor { alpha, distribution, rotate_deg, fresnel, optics } => {
                 let (eta, k) = self.optics(optics);
                 let metal = Metal::new(self.model(*fresnel), eta, k);
-                Scattering::Conductor { metal, facets: facets(*alpha, *distribution, *rotate_deg) }
+                Scattering::Conductor { metal, facets: self.facets(alpha, *distribution, *rotate_deg) }
             }
             &Described::Dielectric {
                 ior,
                 absorption,
                 priority,
-                alpha,
+                ref alpha,
                 distribution,
                 rotate_deg,
                 fresnel,
             } => Scattering::Dielectric {
                 medium: Medium { ior, absorption, priority },
                 fresnel: self.model_for(fresnel, ior),
-                facets: facets(alpha, distribution, rotate_deg),
+                facets: self.facets(alpha, distribution, rotate_deg),
             },
             &Described::ThinDielectric { ior, transmittance, fresnel } => {
                 let glass = Glass::new(self.model_for(fresnel, ior), ior);
@@ -150,7 +177,7 @@ impl Builder {
             }
             Described::Glazed { ior, reflectance, fresnel } => {
                 let coat = Coat::new(self.model_for(*fresnel, *ior), *ior);
-                Scattering::Glazed { coat, base: texture(reflectance) }
+                Scattering::Glazed { coat, base: self.texture(reflectance) }
             }
             _ => Scattering::Black,
         }
@@ -173,6 +200,23 @@ impl Builder {
             self.warnings.push(Problem::new(what).remedy(remedy));
         }
         model
+    }
+
+    /// Facets of this width; none where it is too small to tell from a mirror everywhere.
+    fn facets(
+        &mut self,
+        alpha: &Roughness,
+        distribution: description::Distribution,
+        rotate_deg: f32,
+    ) -> Option<Facets> {
+        match alpha {
+            Roughness::Constant(widths) => facets(*widths, distribution, rotate_deg),
+            Roughness::Image(image) => {
+                let width = self.scalar(image)?;
+                let distribution = spread(distribution, [SMOOTHEST; 2]);
+                Some(Facets { distribution, turn: None, width: Some(width) })
+            }
+        }
     }
 
     fn optics(&mut self, optics: &Optics) -> (Rgb<f32>, Rgb<f32>) {
@@ -205,10 +249,9 @@ impl From<Fresnel> for FresnelModel {
     }
 }
 
-/// A surface that may shine on the side of its normals.
-fn shining(scattering: Scattering, radiance: Rgb<f32>) -> Material {
-    let emission = (!radiance.is_black()).then_some(Emission { radiance, two_sided: false });
-    Material { scattering, emission }
+/// Light of this radiance; none where it is black everywhere.
+fn shining(radiance: Texture, two_sided: bool) -> Option<Emission> {
+    (radiance != Texture::Constant(Rgb::BLACK)).then_some(Emission { radiance, two_sided })
 }
 
 /// Facets of these widths; none where both are too smooth to tell from a mirror.
@@ -220,21 +263,17 @@ fn facets(
     if x.max(y) < SMOOTHEST {
         return None;
     }
-    let (alpha_x, alpha_y) = (x.max(SMOOTHEST), y.max(SMOOTHEST));
-    let distribution = match distribution {
-        description::Distribution::Ggx => Distribution::Ggx(Ggx { alpha_x, alpha_y }),
-        description::Distribution::Beckmann => Distribution::Beckmann(Beckmann { alpha_x, alpha_y }),
-    };
+    let distribution = spread(distribution, [x, y]);
     #[expect(clippy::float_cmp, reason = "only equal widths look the same from all sides")]
-    let turn = (alpha_x != alpha_y).then_some(rotate_deg.to_radians());
-    Some(Facets { distribution, turn })
+    let turn = (x.max(SMOOTHEST) != y.max(SMOOTHEST)).then_some(rotate_deg.to_radians());
+    Some(Facets { distribution, turn, width: None })
 }
 
-fn texture(texture: &description::Texture) -> Texture {
-    match texture {
-        description::Texture::Constant(color) => Texture::Constant(*color),
-        description::Texture::Checker(checker) => {
-            Texture::Checker { colors: checker.checker, repeat: checker.repeat.into() }
-        }
+/// How normals are spread by facets of these widths.
+fn spread(distribution: description::Distribution, widths: [f32; 2]) -> Distribution<f32> {
+    let [alpha_x, alpha_y] = widths.map(|width| width.max(SMOOTHEST));
+    match distribution {
+        description::Distribution::Ggx => Distribution::Ggx(Ggx { alpha_x, alpha_y }),
+        description::Distribution::Beckmann => Distribution::Beckmann(Beckmann { alpha_x, alpha_y }),
     }
 }

@@ -5,6 +5,7 @@
 //! moved there once instead of being instanced, lights without power are dropped, shadow rays look for glass only where there is some.
 
 mod camera;
+mod cut_outs;
 mod forms;
 mod lights;
 mod materials;
@@ -13,6 +14,7 @@ mod shapes;
 mod shutter;
 mod steps;
 mod surfaces;
+mod textures;
 mod way;
 
 use crate::bsdf::FresnelModel;
@@ -26,6 +28,7 @@ use crate::scene::frozen::Surface;
 use origin::Origin;
 use shutter::Shutter;
 use std::sync::Arc;
+use textures::Textures;
 
 /// A scene, and what was odd about its files.
 #[derive(Debug)]
@@ -47,6 +50,7 @@ pub fn build(description: &Description) -> Result<Built> {
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
+    builder.cut_holes();
     let film = description.film.clone();
     let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
     let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
@@ -54,6 +58,7 @@ pub fn build(description: &Description) -> Result<Built> {
     let scene = Scene {
         world: Arc::new(builder.world),
         materials: builder.materials,
+        textures: builder.textures.into_bitmaps(),
         lights: builder.lights,
         camera,
         origin: origin.0,
@@ -81,6 +86,7 @@ struct Builder {
     material_names: Vec<String>,
     lights: Vec<Light>,
     environment: Option<LightId>,
+    textures: Textures,
     problems: Problems,
     warnings: Vec<Problem>,
 }

@@ -9,7 +9,7 @@ use crate::scene::build::{Builder, forms, steps};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::track::Track;
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DVec3, Vec2};
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
@@ -222,7 +222,9 @@ impl Builder {
     }
 
     fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {
+        self.textures.lenient = true;
         let material = self.material(&named.value);
+        self.textures.lenient = false;
         self.add_material(material)
     }
 
@@ -234,7 +236,7 @@ impl Builder {
     /// Makes a light of a placement whose material emits.
     fn light_up(&mut self, placement: PlacementId, place: &Place) {
         let materials = self.surfaces[placement.index()].materials.clone();
-        let emission = |id: &MaterialId| self.materials[id.index()].emission;
+        let emission = |id: &MaterialId| self.materials[id.index()].emission.clone();
         let Some((&first, emission)) = materials.iter().find_map(|id| Some((id, emission(id)?))) else {
             return;
         };
@@ -250,6 +252,11 @@ impl Builder {
             let problem = Problem::at(place.clone(), what);
             return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
         }
+        if self.materials[first.index()].opacity.is_some() {
+            let what = "a surface that emits light has holes";
+            let problem = Problem::at(place.clone(), what);
+            return self.problems.push(problem.remedy("take its `opacity` or its emission away"));
+        }
         match self.light_at(placement, emission) {
             Ok(light) => self.surfaces[placement.index()].light = self.add_light(light),
             Err(what) => self.problems.push(Problem::at(place.clone(), what)),
@@ -257,7 +264,8 @@ impl Builder {
     }
 
     fn light_at(&self, placement: PlacementId, emission: Emission) -> Result<Light, String> {
-        let Emission { radiance, two_sided } = emission;
+        let Emission { radiance: texture, two_sided } = emission;
+        let radiance = texture.mean();
         let map = self.world.placements[placement.index()].pose.at(0.0).map(|t| *t.world_from_object());
         let shape = self.world.shape_of(placement);
         let moved = match map {
@@ -267,6 +275,9 @@ impl Builder {
             Some(map) => forms::moved(shape, &map)
                 .ok_or("an emitting sphere or disc can be moved, turned and scaled alike on all axes only; use a mesh")?,
         };
+        if !texture.is_constant() && !matches!(moved, Shape::Mesh(_)) {
+            return Err("only meshes and rectangles can emit light by a texture; use one of those".to_owned());
+        }
         Ok(match moved {
             Shape::Sphere(Sphere { center, radius }) => {
                 Light::Sphere(SphereLight { center: center.into(), radius, radiance })
@@ -278,6 +289,15 @@ impl Builder {
                 let triangles = (0..super::number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
                 let surface =
                     MeshArea::new(triangles).map_err(|error| format!("an emitting mesh: {error}"))?;
+                let surface = if texture.is_constant() {
+                    surface
+                } else {
+                    // Without surface parameters of its own a triangle has its barycentric ones.
+                    let own = [Vec2::ZERO, Vec2::X, Vec2::Y];
+                    let corners = |i| mesh.corner_uvs(i).unwrap_or(own);
+                    let uvs: Vec<_> = (0..super::number(mesh.triangles().len())).map(corners).collect();
+                    surface.painted(&uvs, texture)
+                };
                 Light::Mesh(Area { surface, radiance, two_sided })
             }
             Shape::Surface(_) => {

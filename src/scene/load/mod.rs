@@ -24,8 +24,7 @@ pub(crate) mod value;
 pub(crate) mod words;
 
 use crate::error::{Problem, Result};
-use crate::math::Rgb;
-use crate::scene::description::{Description, Form, Integrator, Light, Scattering};
+use crate::scene::description::{Description, Form, Integrator, Light, Scattering, Texture};
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
@@ -75,7 +74,7 @@ fn warnings(description: &Description) -> Vec<Problem> {
     }
     let emission = materials.iter().any(|material| {
         matches!(material.value.scattering, Scattering::Emission { .. })
-            || material.value.emission != Rgb::BLACK
+            || material.value.emission != Texture::gray(0.0)
     });
     let own_materials =
         shapes.iter().any(|shape| shape.material.is_none() && matches!(shape.form, Form::Mesh { .. }));

@@ -1,7 +1,9 @@
 //! The types that can stand behind a key: numbers, vectors, colours, words, files, lists.
 
 use crate::math::Rgb;
-use crate::scene::description::{Checker, Located, Named, PerAxis, PerTangent, Texture};
+use crate::scene::description::{
+    Checker, ImageTexture, Located, Named, PerAxis, PerTangent, Roughness, ScalarTexture, Texture,
+};
 use crate::scene::load::node::{Content, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::{files, words};
@@ -388,6 +390,9 @@ impl Value for Rgb<f32> {
 impl Value for Texture {
     fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
         match node.content {
+            Content::Table(_) if node.get("file").is_some() => {
+                ImageTexture::decode(node, key, rules, report).map(|image| Self::Image(Box::new(image)))
+            }
             Content::Table(_) => Checker::decode(node, key, rules, report).map(Self::Checker),
             Content::Array(_) | Content::Integer(_) | Content::Float(_) => {
                 Rgb::decode(node, key, rules, report).map(Self::Constant)
@@ -397,18 +402,48 @@ impl Value for Texture {
     }
 
     fn expects(rules: &Rules) -> String {
-        format!("{}, or a texture {{ checker = [.., ..] }}", Rgb::<f32>::expects(rules))
+        format!(
+            "{}, or a texture {{ file = \"..\" }} or {{ checker = [.., ..] }}",
+            Rgb::<f32>::expects(rules)
+        )
     }
 
     fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
         let constant = Rgb::<f32>::schema(rules, definitions);
-        json!({ "anyOf": [constant, Checker::schema(rules, definitions)] })
+        let image = ImageTexture::schema(rules, definitions);
+        json!({ "anyOf": [constant, Checker::schema(rules, definitions), image] })
     }
 
     fn to_json(&self) -> Json {
         match self {
             Self::Constant(color) => color.to_json(),
             Self::Checker(checker) => checker.to_json(),
+            Self::Image(image) => image.to_json(),
+        }
+    }
+}
+
+impl Value for Roughness {
+    fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
+        if let Content::Table(_) = node.content {
+            return ScalarTexture::decode(node, key, rules, report).map(|image| Self::Image(Box::new(image)));
+        }
+        PerTangent::decode(node, key, rules, report).map(Self::Constant)
+    }
+
+    fn expects(rules: &Rules) -> String {
+        PerTangent::expects(rules)
+    }
+
+    fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
+        let constant = PerTangent::schema(rules, definitions);
+        json!({ "anyOf": [constant, ScalarTexture::schema(rules, definitions)] })
+    }
+
+    fn to_json(&self) -> Json {
+        match self {
+            Self::Constant(width) => width.to_json(),
+            Self::Image(image) => image.to_json(),
         }
     }
 }

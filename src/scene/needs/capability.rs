@@ -31,6 +31,8 @@ pub enum Capability {
     Refraction,
     /// Materials with a lobe.
     GlossyLobes,
+    /// Pictures on surfaces.
+    ImageTextures,
     /// Lights of a single point or direction.
     PointLights,
     /// Lights with a surface.
@@ -45,7 +47,7 @@ pub enum Capability {
 
 impl Capability {
     /// All of them: shapes first, then materials, then lights, then the camera.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Triangles,
         Self::Spheres,
         Self::Discs,
@@ -60,6 +62,7 @@ impl Capability {
         Self::Mirrors,
         Self::Refraction,
         Self::GlossyLobes,
+        Self::ImageTextures,
         Self::PointLights,
         Self::AreaLights,
         Self::Environment,
@@ -125,6 +128,9 @@ impl Capability {
             ],
             Self::GlossyLobes => {
                 ["glossy lobes", "a sampled ray per hit, weighed against lights", "no rays for lobes"]
+            }
+            Self::ImageTextures => {
+                ["image textures", "pictures at all sizes, a cone about every ray", "no widths of rays"]
             }
             Self::PointLights => ["point lights", "a shadow ray each", "none"],
             Self::AreaLights => {

@@ -47,6 +47,10 @@ pub struct Needs {
     pub bounds: Aabb,
     /// Bytes of vertices and indices.
     pub mesh_bytes: usize,
+    /// Pictures on surfaces, each counted once.
+    pub textures: usize,
+    /// Bytes of them, all sizes counted.
+    pub texture_bytes: usize,
     /// What is odd about sizes and positions.
     pub warnings: Vec<Problem>,
 }
@@ -74,6 +78,8 @@ impl Needs {
             lights: scene.lights.len(),
             bounds: scene.world.bounds(),
             mesh_bytes: meshes.sum(),
+            textures: scene.textures.len(),
+            texture_bytes: scene.texture_bytes(),
             warnings: warnings::of(scene, origins),
         }
     }
@@ -140,6 +146,8 @@ impl Count {
     /// Materials, each counted once and named by the first shape made of it.
     fn materials(&mut self, scene: &Scene, origins: &[Place]) {
         for (id, placement) in materials_in_use(scene) {
+            let has_images = scene.materials[id.index()].has_images();
+            self.add(Capability::ImageTextures, usize::from(has_images), origins.get(placement.index()));
             for part in scene.materials[id.index()].scattering.parts() {
                 for capability in capabilities(part) {
                     self.add(*capability, 1, origins.get(placement.index()));

@@ -5,9 +5,10 @@
 //! understood is told in `mtl.rs`. Numbers and indices are read by tobj; what it cannot do is done here: lines are named,
 //! polygons cut, vertices joined and normals averaged, and corners with and without normals may stand side by side.
 //!
-//! Limits: no free-form surfaces, points, lines, vertex colours or textures; smoothing groups are ignored.
+//! Limits: no free-form surfaces, points, lines or vertex colours; smoothing groups are ignored.
 
 mod faults;
+mod maps;
 mod mtl;
 mod outline;
 mod polygons;

@@ -22,9 +22,14 @@
 //! number, which stand for gray; what is left is read by tobj. The first material of a name counts.
 //!
 //! `d 0` means opaque: exporters write it for opaque surfaces, and nobody draws invisible ones. `Tf` filters at a
-//! surface and has no thickness to make absorption of. Sheen (`Ps`), the roughness of coats (`Pcr`), anisotropy and
-//! textures are not read.
+//! surface and has no thickness to make absorption of. Sheen (`Ps`), the roughness of coats (`Pcr`) and anisotropy are not
+//! read.
+//!
+//! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_Ke` shines, times `Ke`
+//! likewise. `map_d` cuts holes,
+//! `norm` is a normal map. A file that is not there is told, and the base is gray 0.5.
 
+use super::maps::{Map, Maps, Use};
 use super::outline::keyword;
 use super::single;
 use crate::error::{Place, Problem};
@@ -55,26 +60,32 @@ impl Library {
                 self.warnings
                     .push(problem.remedy("only faces after a `usemtl` without a name have it; name it"));
             }
-            if statements.add(keyword, rest).is_none() {
+            if let Some(what) = Use::of(keyword) {
+                let Some(maps) = statements.maps.last_mut() else { continue };
+                self.warnings.extend(maps.add(what, rest, path, place()).err());
+            } else if statements.add(keyword, rest).is_none() {
                 let problem = Problem::at(place(), format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
             }
         }
         if statements.textures > 0 {
-            let what = format!("textures are not read, {} in all", statements.textures);
+            let what = format!(
+                "textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, {} in all",
+                statements.textures
+            );
             self.warnings.push(Problem::at(Place::file(path), what));
         }
         let (materials, _) =
             tobj::load_mtl_buf(&mut statements.text.as_bytes()).map_err(|error| error.to_string())?;
-        for (material, name) in materials.iter().zip(statements.names) {
-            self.materials.entry(name).or_insert_with(|| understand(material));
+        for ((material, name), maps) in materials.iter().zip(statements.names).zip(statements.maps) {
+            self.materials.entry(name).or_insert_with(|| understand(material, maps));
         }
         Ok(())
     }
 }
 
 /// Statements of textures whose names do not start in `map_`.
-const TEXTURES: [&str; 5] = ["bump", "decal", "disp", "norm", "refl"];
+const TEXTURES: [&str; 4] = ["bump", "decal", "disp", "refl"];
 
 /// What is to be read by tobj.
 #[derive(Debug, Default)]
@@ -83,6 +94,8 @@ struct Statements {
     text: String,
     /// The names of the materials.
     names: Vec<String>,
+    /// The pictures of each.
+    maps: Vec<Maps>,
     /// How many statements of textures were left out.
     textures: usize,
 }
@@ -93,6 +106,7 @@ impl Statements {
         let rest = match keyword {
             "newmtl" => {
                 self.names.push(rest.trim().into());
+                self.maps.push(Maps::default());
                 self.names.len().to_string()
             }
             "Kd" | "Ks" | "Ke" | "Tf" => color(rest)?.map(|x| x.to_string()).join(" "),
@@ -112,19 +126,26 @@ impl Statements {
     }
 }
 
-fn understand(said: &tobj::Material) -> Material {
+fn understand(said: &tobj::Material, maps: Maps) -> Material {
     let [r, g, b] = said.emissive.unwrap_or_default().map(|x| single(x).max(0.0));
     let radiance = Rgb::new(r, g, b);
-    let scattering = scattering(said);
+    let emission = maps.shining(radiance);
+    let scattering = scattering(said, &maps);
     let matt = matches!(scattering, Scattering::Diffuse { .. });
-    if matt && !radiance.is_black() && said.diffuse.is_none_or(|kd| kd.iter().all(|&x| x <= 0.0)) {
-        return Scattering::Emission { radiance, two_sided: false }.into();
+    let black = !maps.has_diffuse();
+    if matt
+        && black
+        && emission != Texture::gray(0.0)
+        && said.diffuse.is_none_or(|kd| kd.iter().all(|&x| x <= 0.0))
+    {
+        return Scattering::Emission { radiance: emission, two_sided: false }.into();
     }
-    Material { emission: radiance, scattering }
+    let (normal_map, opacity) = (maps.normal.map(Map::normal), maps.opacity.map(Map::opacity));
+    Material { emission, normal_map, opacity, scattering }
 }
 
-fn scattering(said: &tobj::Material) -> Scattering {
-    let kd = said.diffuse.map_or(Rgb::gray(0.5), rgb);
+fn scattering(said: &tobj::Material, maps: &Maps) -> Scattering {
+    let kd = maps.colored(said.diffuse.map(rgb));
     let ks = said.specular.filter(|ks| ks.iter().any(|&x| x > 0.0)).map(rgb);
     let exponent = said.shininess.filter(|&ns| ns > 0.0).map(|ns| single(ns).min(1e9));
     let mirror = matches!(said.illumination_model, Some(3 | 5 | 8));
@@ -132,36 +153,50 @@ fn scattering(said: &tobj::Material) -> Scattering {
     if is_clear(said) {
         return Scattering::glass(ior(said));
     }
-    if let Some(scattering) = extended(said, kd) {
+    if let Some(scattering) = extended(said, &kd) {
         return scattering;
     }
-    let kd = Texture::Constant(kd);
     match (ks, exponent) {
-        (Some(reflectance), _) if mirror => Scattering::Mirror { reflectance },
+        (Some(reflectance), _) if mirror => {
+            Scattering::Mirror { reflectance: Texture::Constant(reflectance) }
+        }
         (Some(reflectance), Some(exponent)) if highlight => Scattering::glossy(exponent, reflectance, kd),
         _ => Scattering::Diffuse { reflectance: kd },
     }
 }
 
 /// What the names that start in `P` say, where they say anything.
-fn extended(said: &tobj::Material, kd: Rgb<f32>) -> Option<Scattering> {
+fn extended(said: &tobj::Material, kd: &Texture) -> Option<Scattering> {
     let part = |keyword| Some(unknown(said, keyword).and_then(number)?.clamp(0.0, 1.0));
     let alpha = part("Pr").map(|roughness| roughness * roughness);
     if part("Pm").is_some_and(|metal| metal >= 0.5) {
         let of_exponent =
             said.shininess.filter(|&ns| ns > 0.0).map_or(0.0, |ns| single((2.0 / (ns + 2.0)).sqrt()));
-        let optics = Optics::Artist { reflectance: kd, edge_tint: Rgb::WHITE };
+        let optics =
+            Optics::Artist { reflectance: said.diffuse.map_or(Rgb::gray(0.5), rgb), edge_tint: Rgb::WHITE };
         return Some(Scattering::metal(alpha.unwrap_or(of_exponent), optics));
     }
     let ior = ior(said);
     if part("Pc").is_some_and(|coat| coat >= 0.5) || alpha.is_some_and(|alpha| alpha < 0.05 * 0.05) {
-        return Some(Scattering::glazed(ior, Texture::Constant(kd)));
+        return Some(Scattering::glazed(ior, kd.clone()));
     }
     let alpha = alpha.filter(|&alpha| alpha < 1.0)?;
     let straight_on = ((ior - 1.0) / (ior + 1.0)).powi(2);
     let exponent = (2.0 / (alpha * alpha) - 2.0) / 4.0;
-    let diffuse = Texture::Constant(kd.scale(1.0 - straight_on));
+    let diffuse = scaled(kd, 1.0 - straight_on);
     Some(Scattering::glossy(exponent, Rgb::gray(straight_on), diffuse))
+}
+
+/// A texture made darker.
+fn scaled(texture: &Texture, by: f32) -> Texture {
+    match texture.clone() {
+        Texture::Constant(color) => Texture::Constant(color.scale(by)),
+        Texture::Image(mut image) => {
+            image.factor = image.factor.scale(by);
+            Texture::Image(image)
+        }
+        checker @ Texture::Checker(_) => checker,
+    }
 }
 
 fn is_clear(said: &tobj::Material) -> bool {
@@ -234,8 +269,8 @@ mod tests {
             ("Tr 0.75\nNi 1.25", glass(1.25)),
             ("illum 7\nNi 2.4", glass(2.4)),
             ("Tf 1 0.5 1\nNi 1.33", glass(1.33)),
-            ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Rgb::gray(0.75) }),
-            ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Rgb::WHITE }),
+            ("illum 3\nKs 0.75", Scattering::Mirror { reflectance: Texture::gray(0.75) }),
+            ("illum 5\nNi 1\nKs 1 1 1", Scattering::Mirror { reflectance: Texture::gray(1.0) }),
             ("Kd 0.25\nKs 1\nNs 10\nillum 1", matt(0.25)),
             ("Kd 0.25\nKs 1\nNs 10\nillum 0", matt(0.25)),
             ("Kd 0.25\nPr 1\nPm 0\nPs 0.5\nPcr 0.1\naniso 0.5", matt(0.25)),
@@ -266,14 +301,15 @@ mod tests {
     #[test]
     fn what_shines_may_scatter_too() {
         let radiance = Rgb::new(0.0, 2.0, 0.0);
-        let alone = Scattering::Emission { radiance, two_sided: false };
+        let radiance = Texture::Constant(radiance);
+        let alone = Scattering::Emission { radiance: radiance.clone(), two_sided: false };
         assert_eq!(read("Ke 0 2 0"), alone.clone().into(), "no Kd");
         assert_eq!(read("Ke 0 2 0\nKd 0 0 0\nKs 0 0 0\nNs 9"), alone.into(), "black");
         let cases = ["Kd 0.25 0.25 0.25", "d 0.5", "illum 3\nKs 0.75", "Kd 0\nKs 0.25\nNs 40"];
         for text in cases {
             let dark = read(text);
-            assert_eq!(dark.emission, Rgb::BLACK, "{text}");
-            let expected = Material { emission: radiance, ..dark };
+            assert_eq!(dark.emission, Texture::gray(0.0), "{text}");
+            let expected = Material { emission: radiance.clone(), ..dark };
             assert_eq!(read(&format!("{text}\nKe 0 2 0")), expected, "{text}");
         }
     }
@@ -295,15 +331,19 @@ mod tests {
     fn what_cannot_be_understood_is_told() {
         let mut library = Library::default();
         library
-            .read(Path::new("x.mtl"), "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\nillum -1\n")
+            .read(
+                Path::new("x.mtl"),
+                "newmtl x\nKd red\nNs nan\nmap_Kd x.png\nKs 1 2\nillum -1\nmap_Ks y.png\n",
+            )
             .expect("read");
         let warnings: Vec<String> = library.warnings.iter().map(ToString::to_string).collect();
         let expected = [
             "x.mtl:2: `Kd red` makes no sense and is ignored; give `Kd` finite numbers",
             "x.mtl:3: `Ns nan` makes no sense and is ignored; give `Ns` finite numbers",
+            "x.mtl:4: no such file `x.png`; paths are relative to the file that names them; the surface is made gray",
             "x.mtl:5: `Ks 1 2` makes no sense and is ignored; give `Ks` finite numbers",
             "x.mtl:6: `illum -1` makes no sense and is ignored; give `illum` finite numbers",
-            "x.mtl: textures are not read, 1 in all",
+            "x.mtl: textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, 1 in all",
         ];
         assert_eq!(warnings, expected, "warnings");
     }

@@ -1,0 +1,180 @@
+//! Pictures for textures: numbers as their files hold them, compact, not turned to light.
+
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use image::codecs::jpeg::JpegDecoder;
+use image::codecs::png::PngDecoder;
+use image::{ColorType, DynamicImage, ImageDecoder, ImageError};
+
+use super::buffer::check_size;
+use super::exr::Samples;
+use super::{Decoded, exr, extension, hdr};
+use crate::error::{Error, Place, Problem, Result};
+
+/// Extensions of the files that [`read_raster`] reads.
+pub const RASTERS: &[&str] = &["png", "jpg", "jpeg", "exr", "hdr"];
+
+/// A picture by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Raster {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// The pixels.
+    pub pixels: Pixels,
+    /// Whether the numbers are meant to be encoded by sRGB, as those of PNG and JPEG files are.
+    pub encoded: bool,
+    /// Whether the file says how much of each pixel is covered.
+    pub has_alpha: bool,
+    /// What was odd about the file.
+    pub warnings: Vec<Problem>,
+}
+
+/// Pixels, one after the other.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pixels {
+    /// A byte each.
+    Gray(Vec<u8>),
+    /// Red, green, blue and coverage, a byte each.
+    Bytes(Vec<[u8; 4]>),
+    /// Red, green, blue and coverage; all finite, and `half` where a file of 16-bit numbers held them.
+    Floats {
+        /// The pixels.
+        values: Vec<[f32; 4]>,
+        /// Whether half precision keeps them.
+        half: bool,
+    },
+}
+
+/// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file. Gamma and colour profiles in it are not applied.
+pub fn read_raster(path: &Path) -> Result<Raster> {
+    match extension(path).as_str() {
+        "png" => from_display(path, "PNG", |file| PngDecoder::new(file).and_then(|d| checked(path, d))),
+        "jpg" | "jpeg" => {
+            from_display(path, "JPEG", |file| JpegDecoder::new(file).and_then(|d| checked(path, d)))
+        }
+        "exr" => {
+            let picture = exr::read(path)?;
+            let half = picture.channels.iter().all(|channel| matches!(channel.samples, Samples::Half(_)));
+            Ok(from_light(picture.into_decoded(path)?, half))
+        }
+        "hdr" => {
+            let decoded = hdr::read(path)?;
+            // Eight bits of mantissa fit; the exponents may not.
+            let largest = decoded.image.pixels().iter().map(|p| p.max_channel()).fold(0.0, f32::max);
+            let half = largest <= half::f16::MAX.to_f32();
+            Ok(from_light(decoded, half))
+        }
+        _ => {
+            let problem = Problem::at(Place::file(path), "not a picture that can be read");
+            Err(problem.remedy("use a .png, .jpg, .exr or .hdr file").into())
+        }
+    }
+}
+
+fn from_light(decoded: Decoded, half: bool) -> Raster {
+    let Decoded { image, alpha, warnings, .. } = decoded;
+    let coverage = |i: usize| alpha.as_ref().map_or(1.0, |alpha| alpha[i]);
+    let values = image.pixels().iter().enumerate().map(|(i, p)| [p.r, p.g, p.b, coverage(i)]).collect();
+    let (width, height) = (image.width(), image.height());
+    let pixels = Pixels::Floats { values, half };
+    Raster { width, height, pixels, encoded: false, has_alpha: alpha.is_some(), warnings }
+}
+
+/// What a decoder gives, or why not; its size is checked before memory is asked for.
+fn checked(path: &Path, decoder: impl ImageDecoder) -> std::result::Result<Result<DynamicImage>, ImageError> {
+    let (width, height) = decoder.dimensions();
+    if let Err(error) = check_size(path, width.into(), height.into()) {
+        return Ok(Err(error));
+    }
+    DynamicImage::from_decoder(decoder).map(Ok)
+}
+
+fn from_display(
+    path: &Path,
+    kind: &str,
+    decode: impl FnOnce(BufReader<File>) -> std::result::Result<Result<DynamicImage>, ImageError>,
+) -> Result<Raster> {
+    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let refused = |error: ImageError| match error {
+        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => io(source),
+        other => Problem::at(Place::file(path), format!("not a sound {kind} picture: {other}"))
+            .remedy("write it again")
+            .into(),
+    };
+    let file = BufReader::new(File::open(path).map_err(io)?);
+    let picture = decode(file).map_err(refused)??;
+    let (width, height) = (picture.width(), picture.height());
+    let color = picture.color();
+    let has_alpha = color.has_alpha();
+    let pixels = match color {
+        ColorType::L8 => Pixels::Gray(picture.into_luma8().into_raw()),
+        ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8 => {
+            Pixels::Bytes(picture.into_rgba8().pixels().map(|p| p.0).collect())
+        }
+        _ => {
+            let deep = picture.into_rgba16();
+            let values = deep.pixels().map(|p| p.0.map(|x| f32::from(x) / 65535.0)).collect();
+            Pixels::Floats { values, half: false }
+        }
+    };
+    Ok(Raster { width, height, pixels, encoded: true, has_alpha, warnings: vec![] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn saved(picture: &DynamicImage, name: &str) -> Raster {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join(name);
+        picture.save(&path).expect("written");
+        read_raster(&path).expect("read")
+    }
+
+    #[test]
+    fn bytes_stay_bytes() {
+        let color = image::RgbaImage::from_pixel(2, 1, image::Rgba([1, 2, 3, 4]));
+        let read = saved(&DynamicImage::ImageRgba8(color), "a.png");
+        assert_eq!(read.pixels, Pixels::Bytes(vec![[1, 2, 3, 4]; 2]), "colour");
+        assert!(read.has_alpha && read.encoded, "{read:?}");
+        let gray = image::GrayImage::from_pixel(1, 2, image::Luma([7]));
+        let read = saved(&DynamicImage::ImageLuma8(gray), "a.png");
+        assert_eq!(read.pixels, Pixels::Gray(vec![7; 2]), "gray");
+        assert_eq!((read.width, read.height, read.has_alpha), (1, 2, false), "about it");
+    }
+
+    #[test]
+    fn jpeg_files_are_read() {
+        let flat = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 100, 50]));
+        let read = saved(&DynamicImage::ImageRgb8(flat), "a.jpg");
+        let Pixels::Bytes(bytes) = &read.pixels else { panic!("{read:?}") };
+        let near = |a: u8, b: u8| a.abs_diff(b) <= 2;
+        assert!(bytes.iter().all(|[r, g, b, a]| near(*r, 200) && near(*g, 100) && near(*b, 50) && *a == 255));
+    }
+
+    #[test]
+    fn deep_pictures_become_numbers() {
+        let deep = image::ImageBuffer::from_pixel(1, 1, image::Luma([13107_u16]));
+        let read = saved(&DynamicImage::ImageLuma16(deep), "a.png");
+        assert_eq!(
+            read.pixels,
+            Pixels::Floats { values: vec![[0.2, 0.2, 0.2, 1.0]], half: false },
+            "a fifth"
+        );
+    }
+
+    #[test]
+    fn damaged_files_are_refused_with_their_name() {
+        let dir = tempfile::tempdir().expect("a directory");
+        for (name, kind) in [("a.png", "PNG"), ("a.jpg", "JPEG")] {
+            let path = dir.path().join(name);
+            std::fs::write(&path, b"rubbish").expect("written");
+            let message = read_raster(&path).expect_err("damaged").to_string();
+            assert!(message.contains(&format!("{name}: not a sound {kind} picture")), "{message}");
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Pictures on surfaces, each file read once.
+
+use crate::error::{Error, Place, Problem};
+use crate::image::read_raster;
+use crate::math::Rgb;
+use crate::scene::build::Builder;
+use crate::scene::description::{self, ImageTexture, Located, ScalarTexture};
+use crate::texture::{Bitmap, Channel, Mapped, NormalMap, Scalar, Space, Texture, Wrap};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Pictures that have been read.
+#[derive(Debug, Default)]
+pub(super) struct Textures {
+    /// By file and by what its numbers stand for: smaller sizes depend on that. None could not be read, which was told.
+    known: HashMap<(PathBuf, Option<Space>), Option<Arc<Bitmap>>>,
+    /// In the order met.
+    bitmaps: Vec<Arc<Bitmap>>,
+    /// Whether files that cannot be read are warned of instead of refused: those that MTL files name.
+    pub(super) lenient: bool,
+}
+
+impl Textures {
+    pub(super) fn into_bitmaps(self) -> Vec<Arc<Bitmap>> {
+        self.bitmaps
+    }
+}
+
+/// How a picture lies.
+struct Lie {
+    wrap: description::Wrap,
+    repeat: [f32; 2],
+    offset: [f32; 2],
+}
+
+impl Builder {
+    /// What colours something that reflects.
+    pub(super) fn texture(&mut self, texture: &description::Texture) -> Texture {
+        self.colored(texture, 1.0)
+    }
+
+    /// A texture of which no channel exceeds a limit; middle gray where its file cannot be read.
+    pub(super) fn colored(&mut self, texture: &description::Texture, limit: f32) -> Texture {
+        match texture {
+            description::Texture::Constant(color) => Texture::Constant(*color),
+            description::Texture::Checker(checker) => {
+                Texture::Checker { colors: checker.checker, repeat: checker.repeat.into() }
+            }
+            description::Texture::Image(image) => {
+                let &ImageTexture { ref file, space, wrap, repeat, offset, factor } = &**image;
+                match self.mapped(file, space, Lie { wrap, repeat, offset }) {
+                    Some(map) => Texture::Image { map, factor, limit },
+                    None => Texture::Constant(Rgb::gray(0.5)),
+                }
+            }
+        }
+    }
+
+    /// A number that varies over a surface.
+    pub(super) fn scalar(&mut self, image: &ScalarTexture) -> Option<Scalar> {
+        let &ScalarTexture { ref file, channel, space, wrap, repeat, offset, factor } = image;
+        let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset })?;
+        let channel = match channel {
+            None | Some(description::Channel::Red) => Channel::Red,
+            Some(description::Channel::Green) => Channel::Green,
+            Some(description::Channel::Blue) => Channel::Blue,
+            Some(description::Channel::Alpha) => Channel::Alpha,
+        };
+        Some(Scalar { map, channel, factor })
+    }
+
+    /// Where a surface is; coverage where the file has it.
+    pub(super) fn opacity(&mut self, image: &ScalarTexture) -> Option<Scalar> {
+        // Coverage has no curve: what has been read as a colour serves as well.
+        let path = canonical(&image.file.value);
+        let colored = self.textures.known.get(&(path, None)).and_then(Option::as_ref);
+        let colored = colored.filter(|bitmap| bitmap.has_alpha()).cloned();
+        let is_alpha = matches!(image.channel, None | Some(description::Channel::Alpha));
+        let mut scalar = match colored.filter(|_| is_alpha) {
+            Some(bitmap) => {
+                let &ScalarTexture { wrap, repeat, offset, factor, .. } = image;
+                let map = lying(bitmap, Lie { wrap, repeat, offset });
+                Scalar { map, channel: Channel::Alpha, factor }
+            }
+            None => self.scalar(image)?,
+        };
+        if image.channel.is_none() && scalar.map.bitmap.has_alpha() {
+            scalar.channel = Channel::Alpha;
+        }
+        Some(scalar)
+    }
+
+    /// A relief.
+    pub(super) fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
+        let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
+        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        Some(NormalMap { map, strength, flip_y })
+    }
+
+    fn mapped(
+        &mut self,
+        file: &Located<PathBuf>,
+        space: Option<description::Space>,
+        lie: Lie,
+    ) -> Option<Mapped> {
+        let space = space.map(|space| match space {
+            description::Space::Srgb => Space::Srgb,
+            description::Space::Linear => Space::Linear,
+        });
+        Some(lying(self.bitmap(file, space)?, lie))
+    }
+
+    fn bitmap(&mut self, file: &Located<PathBuf>, space: Option<Space>) -> Option<Arc<Bitmap>> {
+        let key = (canonical(&file.value), space);
+        if let Some(known) = self.textures.known.get(&key) {
+            return known.clone();
+        }
+        let read = self.read(&file.value, &file.place, space).map(|bitmap| {
+            // The same may have been met with its space written out, or left to the file.
+            let same = self.textures.bitmaps.iter().find(|known| ***known == bitmap).cloned();
+            same.unwrap_or_else(|| {
+                let new = Arc::new(bitmap);
+                self.textures.bitmaps.push(new.clone());
+                new
+            })
+        });
+        self.textures.known.insert(key, read.clone());
+        read
+    }
+
+    fn read(&mut self, path: &Path, place: &Place, space: Option<Space>) -> Option<Bitmap> {
+        let raster = match read_raster(path) {
+            Ok(raster) => raster,
+            Err(error) => {
+                let what = match error {
+                    Error::Input(problems) => problems.to_string(),
+                    other => other.to_string(),
+                };
+                let problem = Problem::at(place.clone(), what);
+                if self.textures.lenient {
+                    self.warnings.push(problem.remedy("the surface is made gray"));
+                } else {
+                    self.problems.push(problem);
+                }
+                return None;
+            }
+        };
+        self.warnings.extend(raster.warnings.iter().cloned());
+        let own = if raster.encoded { Space::Srgb } else { Space::Linear };
+        Some(Bitmap::new(&raster, space.unwrap_or(own)))
+    }
+}
+
+/// The one name of a file.
+fn canonical(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+fn lying(bitmap: Arc<Bitmap>, Lie { wrap, repeat, offset }: Lie) -> Mapped {
+    let wrap = match wrap {
+        description::Wrap::Repeat => Wrap::Repeat,
+        description::Wrap::Mirror => Wrap::Mirror,
+        description::Wrap::Clamp => Wrap::Clamp,
+    };
+    Mapped { bitmap, wrap, repeat: repeat.into(), offset: offset.into() }
+}

@@ -1,0 +1,199 @@
+//! Pictures that MTL files name.
+//!
+//! A statement is a keyword, options and the name of a file, which may hold spaces. Of the options `-o`, `-s`, `-clamp` and `-bm`
+//! mean something here: where the picture lies, what is beyond its edges, and how strong a relief is. Files are looked for beside
+//! the MTL file.
+
+use crate::error::{Place, Problem};
+use crate::image::RASTERS;
+use crate::math::Rgb;
+use crate::scene::description::{ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap};
+use crate::scene::load::files;
+use std::path::{Path, PathBuf};
+
+/// What the pictures of a material are for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// `map_Kd`.
+    Diffuse,
+    /// `map_Ke`.
+    Emission,
+    /// `map_d`.
+    Opacity,
+    /// `norm`.
+    Normal,
+}
+
+impl Use {
+    pub(super) fn of(keyword: &str) -> Option<Self> {
+        Some(match keyword {
+            "map_Kd" => Self::Diffuse,
+            "map_Ke" => Self::Emission,
+            "map_d" => Self::Opacity,
+            "norm" => Self::Normal,
+            _ => return None,
+        })
+    }
+
+    /// What becomes of the surface where there is no such file.
+    fn without(self) -> &'static str {
+        match self {
+            Self::Diffuse => "the surface is made gray",
+            Self::Emission => "the surface shines as `Ke` says",
+            Self::Opacity => "the surface is left whole",
+            Self::Normal => "the surface is left even",
+        }
+    }
+}
+
+/// The pictures of a material.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Maps {
+    /// `Some(None)` where it is missing.
+    diffuse: Option<Option<Map>>,
+    emission: Option<Map>,
+    pub(super) opacity: Option<Map>,
+    pub(super) normal: Option<Map>,
+}
+
+/// A picture, and how it lies.
+#[derive(Clone, Debug)]
+pub(super) struct Map {
+    file: Located<PathBuf>,
+    wrap: Wrap,
+    repeat: [f32; 2],
+    offset: [f32; 2],
+    strength: f32,
+}
+
+impl Maps {
+    /// Notes what follows a keyword; a warning where the file cannot be used.
+    pub(super) fn add(&mut self, what: Use, rest: &str, mtl: &Path, place: Place) -> Result<(), Problem> {
+        let map = Map::read(rest, mtl, place)
+            .map_err(|(problem, remedy)| problem.remedy(format!("{remedy}; {}", what.without())));
+        let (map, result) = match map {
+            Ok(map) => (Some(map), Ok(())),
+            Err(problem) => (None, Err(problem)),
+        };
+        match what {
+            Use::Diffuse => self.diffuse = Some(map),
+            Use::Emission => self.emission = map,
+            Use::Opacity => self.opacity = map,
+            Use::Normal => self.normal = map,
+        }
+        result
+    }
+
+    /// Whether the material is coloured by a picture, there or missing.
+    pub(super) fn has_diffuse(&self) -> bool {
+        self.diffuse.is_some()
+    }
+
+    /// What is reflected by a base of the colour `kd`, with its picture; middle gray where that is missing.
+    pub(super) fn colored(&self, kd: Option<Rgb<f32>>) -> Texture {
+        match &self.diffuse {
+            None => Texture::Constant(kd.unwrap_or(Rgb::gray(0.5))),
+            Some(None) => Texture::gray(0.5),
+            Some(Some(map)) => map.colored(factor(kd.unwrap_or(Rgb::BLACK))),
+        }
+    }
+
+    /// What is given off where `Ke` says so much.
+    pub(super) fn shining(&self, ke: Rgb<f32>) -> Texture {
+        self.emission.as_ref().map_or(Texture::Constant(ke), |map| map.colored(factor(ke)))
+    }
+}
+
+impl Map {
+    fn read(rest: &str, mtl: &Path, place: Place) -> Result<Self, (Problem, String)> {
+        let (mut wrap, mut repeat, mut offset, mut strength) = (Wrap::Repeat, [1.0; 2], [0.0; 2], 1.0);
+        let mut rest = rest.trim();
+        while let Some(option) = rest.strip_prefix('-') {
+            let (name, values) = option.split_once(char::is_whitespace).unwrap_or((option, ""));
+            let most = match name {
+                "o" | "s" | "t" => 3,
+                "mm" => 2,
+                "blendu" | "blendv" | "cc" | "clamp" | "boost" | "texres" | "bm" | "imfchan" | "type" => 1,
+                _ => break,
+            };
+            let (words, after) = take(values, most, matches!(name, "o" | "s" | "t" | "mm" | "bm"));
+            let numbers: Vec<f32> = words.iter().filter_map(|word| word.parse().ok()).collect();
+            match name {
+                "clamp" if words.first() == Some(&"on") => wrap = Wrap::Clamp,
+                "o" => offset.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
+                "s" => repeat.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
+                "bm" => strength = numbers.first().copied().unwrap_or(1.0).max(0.0),
+                _ => {}
+            }
+            rest = after;
+        }
+        let file = mtl.with_file_name(rest.replace('\\', "/"));
+        match files::fault(&file, RASTERS) {
+            Some((what, remedy)) => Err((Problem::at(place, what), remedy)),
+            None => Ok(Self { file: Located { value: file, place }, wrap, repeat, offset, strength }),
+        }
+    }
+
+    fn colored(&self, factor: Rgb<f32>) -> Texture {
+        let &Self { ref file, wrap, repeat, offset, .. } = self;
+        Texture::Image(Box::new(ImageTexture {
+            file: file.clone(),
+            space: None,
+            wrap,
+            repeat,
+            offset,
+            factor,
+        }))
+    }
+
+    /// How much is there.
+    pub(super) fn opacity(self) -> ScalarTexture {
+        let Self { file, wrap, repeat, offset, .. } = self;
+        ScalarTexture { file, channel: None, space: Space::Linear, wrap, repeat, offset, factor: 1.0 }
+    }
+
+    /// A relief.
+    pub(super) fn normal(self) -> NormalMap {
+        let Self { file, wrap, repeat, offset, strength } = self;
+        NormalMap { file, strength, flip_y: false, wrap, repeat, offset }
+    }
+}
+
+/// What a picture is multiplied by: exporters often write black beside it.
+fn factor(color: Rgb<f32>) -> Rgb<f32> {
+    if color.is_black() { Rgb::WHITE } else { color }
+}
+
+/// Up to `most` words, only such as are numbers where these are `wanted`, and what follows them.
+fn take(text: &str, most: usize, wanted: bool) -> (Vec<&str>, &str) {
+    let (mut words, mut rest) = (Vec::new(), text.trim_start());
+    while words.len() < most {
+        let word = rest.split_whitespace().next().unwrap_or("");
+        if word.is_empty() || (wanted && word.parse::<f32>().is_err()) {
+            break;
+        }
+        words.push(word);
+        rest = rest[word.len()..].trim_start();
+    }
+    (words, rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_stand_before_names_with_spaces() {
+        let dir = tempfile::tempdir().expect("a directory");
+        std::fs::create_dir(dir.path().join("sub")).expect("made");
+        std::fs::write(dir.path().join("sub/my wood.png"), b"").expect("written");
+        let mtl = dir.path().join("x.mtl");
+        let read = |rest: &str| Map::read(rest, &mtl, Place::file(&mtl));
+        let map = read("-s 2 3 1 -o 0.5 -clamp on -bm 0.25 -blendu off sub\\my wood.png").expect("there");
+        assert_eq!(map.file.value, dir.path().join("sub/my wood.png"), "name");
+        assert_eq!((map.repeat, map.offset, map.wrap), ([2.0, 3.0], [0.5, 0.0], Wrap::Clamp), "options");
+        assert!((map.strength - 0.25).abs() < 1e-6, "strength");
+        let (problem, _) = read("-s 1 1 1 nothing.png").expect_err("missing");
+        assert!(problem.to_string().contains("no such file"), "{problem}");
+    }
+}

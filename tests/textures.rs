@@ -1,0 +1,430 @@
+//! Pictures on surfaces: what they show and where, at every width, with every integrator and backend, and what becomes of files
+//! that are not what they should be.
+
+#[path = "support/folder.rs"]
+mod folder;
+#[path = "support/random.rs"]
+mod random;
+
+use folder::{Folder, WAYS, close, picture, square};
+use image::{RgbImage, RgbaImage};
+use random::Random;
+use specula::image::{Pixels, Raster, read_raster};
+use specula::math::Rgb;
+use specula::math::lanes::{Isa, Kernel, Lanes, Level};
+use specula::texture::{Bitmap, Channel, Mapped, Scalar, Space, Spot, Texture, Wrap};
+use std::sync::Arc;
+
+const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+
+/// Random texels of each way of storing them.
+fn bitmaps(width: u32, height: u32) -> Vec<(&'static str, Bitmap)> {
+    let mut random = Random::new(1);
+    let count = (width * height) as usize;
+    let mut byte = || (random.unit() * 255.99) as u8;
+    let gray = Pixels::Gray((0..count).map(|_| byte()).collect());
+    let bytes = Pixels::Bytes((0..count).map(|_| [byte(), byte(), byte(), byte()]).collect());
+    let floats: Vec<[f32; 4]> =
+        (0..count).map(|_| std::array::from_fn(|_| f32::from(byte()) / 64.0)).collect();
+    let bitmap = |pixels: Pixels, space: Space| {
+        let raster = Raster {
+            width,
+            height,
+            pixels,
+            encoded: space == Space::Srgb,
+            has_alpha: true,
+            warnings: vec![],
+        };
+        Bitmap::new(&raster, space)
+    };
+    vec![
+        ("gray", bitmap(gray, Space::Srgb)),
+        ("bytes", bitmap(bytes, Space::Srgb)),
+        ("halves", bitmap(Pixels::Floats { values: floats.clone(), half: true }, Space::Linear)),
+        ("floats", bitmap(Pixels::Floats { values: floats, half: false }, Space::Linear)),
+    ]
+}
+
+fn mapped(bitmap: Bitmap, wrap: Wrap) -> Mapped {
+    let (repeat, offset) = (glam::Vec2::ONE, glam::Vec2::ZERO);
+    Mapped { bitmap: Arc::new(bitmap), wrap, repeat, offset }
+}
+
+/// A picture of four texels: red and green above blue and white.
+fn four() -> Bitmap {
+    let pixels = Pixels::Bytes(vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
+    let raster = Raster { width: 2, height: 2, pixels, encoded: true, has_alpha: false, warnings: vec![] };
+    Bitmap::new(&raster, Space::Srgb)
+}
+
+#[test]
+fn texels_are_themselves_in_their_middle_and_v_goes_up() {
+    for wrap in WRAPS {
+        let map = mapped(four(), wrap);
+        let at = |u: f32, v: f32| map.at(Spot::from([u, v]));
+        assert_eq!(at(0.25, 0.75), [1.0, 0.0, 0.0, 1.0], "{wrap:?}: above left");
+        assert_eq!(at(0.75, 0.75), [0.0, 1.0, 0.0, 1.0], "{wrap:?}: above right");
+        assert_eq!(at(0.25, 0.25), [0.0, 0.0, 1.0, 1.0], "{wrap:?}: below left");
+        assert_eq!(at(0.75, 0.25), [1.0; 4], "{wrap:?}: below right");
+        assert_eq!(at(0.5, 0.5), [0.5, 0.5, 0.5, 1.0], "{wrap:?}: the middle is a quarter of each");
+    }
+}
+
+/// Column and row that a whole number means beyond the edges.
+fn wrapped(wrap: Wrap, i: i64, size: i64) -> i64 {
+    match wrap {
+        Wrap::Repeat => i.rem_euclid(size),
+        Wrap::Clamp => i.clamp(0, size - 1),
+        Wrap::Mirror => {
+            let i = i.rem_euclid(2 * size);
+            if i < size { i } else { 2 * size - 1 - i }
+        }
+    }
+}
+
+#[test]
+fn beyond_the_edges_all_is_as_the_wrap_mode_says() {
+    let (width, height) = (7_i64, 4_i64);
+    let value = |x: i64, y: i64| ((x * 5 + y * 11) % 13) as f32;
+    let values = (0..28).map(|i| [value(i % width, i / width), 0.0, 0.0, 1.0]).collect();
+    let pixels = Pixels::Floats { values, half: false };
+    let raster = Raster { width: 7, height: 4, pixels, encoded: false, has_alpha: false, warnings: vec![] };
+    let bitmap = Bitmap::new(&raster, Space::Linear);
+    let mut random = Random::new(2);
+    for wrap in WRAPS {
+        let map = mapped(bitmap.clone(), wrap);
+        for _ in 0..2000 {
+            let [u, v] = [random.unit() * 8.0 - 4.0, random.unit() * 8.0 - 4.0];
+            let (x, y) = (f64::from(u) * width as f64 - 0.5, (1.0 - f64::from(v)) * height as f64 - 0.5);
+            let (fx, fy) = (x - x.floor(), y - y.floor());
+            let texel = |dx: i64, dy: i64| {
+                let (x, y) = (x.floor() as i64 + dx, y.floor() as i64 + dy);
+                f64::from(value(wrapped(wrap, x, width), wrapped(wrap, y, height)))
+            };
+            let expected = (texel(0, 0) * (1.0 - fx) + texel(1, 0) * fx) * (1.0 - fy)
+                + (texel(0, 1) * (1.0 - fx) + texel(1, 1) * fx) * fy;
+            let [found, ..] = map.at(Spot::from([u, v]));
+            assert!(
+                (f64::from(found) - expected).abs() < 2e-4,
+                "{wrap:?} at {u}, {v}: {found}, not {expected}"
+            );
+        }
+    }
+}
+
+#[test]
+fn wide_rays_see_smaller_pictures() {
+    for (name, bitmap) in bitmaps(32, 16) {
+        let mean = bitmap.mean();
+        let map = mapped(bitmap, Wrap::Repeat);
+        let at = |footprint: f32| map.at(Spot { uv: [0.3_f32, 0.6], footprint });
+        assert_eq!(at(0.0), at(1.0 / 32.0), "{name}: less than a texel is a point");
+        for (found, mean) in at(10.0).into_iter().zip(mean) {
+            assert!((found - mean).abs() < 1e-6, "{name}: wider than the picture is its mean, {found}");
+        }
+        // Between two levels lies their mixture: half an octave is half of each.
+        let texel = (1.0_f32 / 512.0).sqrt();
+        let [a, b, c] = [2.0, 2.0 * 2.0_f32.sqrt(), 4.0].map(|texels| at(texels * texel)[0]);
+        assert!((b - 0.5 * (a + c)).abs() < 2e-5, "{name}: {a}, {b}, {c}");
+        assert!((a - c).abs() > 1e-3, "{name}: the levels differ");
+    }
+}
+
+/// Lookups of one texture.
+struct Ask<'a> {
+    map: &'a Mapped,
+    spots: &'a [[f32; 3]],
+}
+
+impl<S: Isa> Kernel<S> for Ask<'_> {
+    type Output = Vec<[f32; 4]>;
+    #[inline(always)]
+    fn run(self, isa: S) -> Self::Output {
+        let mut found = Vec::new();
+        for some in self.spots.chunks_exact(S::WIDTH) {
+            let [u, v, footprint] = std::array::from_fn(|k| isa.per_lane(|i| some[i][k]));
+            let texel = self.map.at(Spot { uv: [u, v], footprint });
+            found.extend((0..S::WIDTH).map(|i| texel.map(|channel| channel.extract(i))));
+        }
+        found
+    }
+}
+
+#[test]
+fn all_widths_see_the_same() {
+    let mut random = Random::new(3);
+    let spots: Vec<[f32; 3]> = (0..960)
+        .map(|i| {
+            let footprint = if i % 3 == 0 { 0.0 } else { 2.0_f32.powf(-8.0 + 9.0 * random.unit()) };
+            [random.unit() * 6.0 - 3.0, random.unit() * 6.0 - 3.0, footprint]
+        })
+        .collect();
+    for (name, bitmap) in bitmaps(19, 33) {
+        for wrap in WRAPS {
+            let map = mapped(bitmap.clone(), wrap);
+            let one: Vec<[f32; 4]> =
+                spots.iter().map(|&[u, v, footprint]| map.at(Spot { uv: [u, v], footprint })).collect();
+            for level in Level::available() {
+                let wide = level.run(Ask { map: &map, spots: &spots });
+                for ((a, b), spot) in one.iter().zip(&wide).zip(&spots) {
+                    // Fused products round once: the place within a picture of 33 texels moves by as much.
+                    let close = a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 2e-4);
+                    assert!(close, "{name}, {wrap:?}, {} at {spot:?}: {b:?}, not {a:?}", level.name());
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn factors_and_limits_apply() {
+    let texture = |factor: f32, limit: f32| Texture::Image {
+        map: mapped(four(), Wrap::Clamp),
+        factor: Rgb::gray(factor),
+        limit,
+    };
+    assert_eq!(texture(0.5, 1.0).at([0.25_f32, 0.75]), Rgb::new(0.5, 0.0, 0.0), "dimmed");
+    assert_eq!(texture(3.0, 1.0).at([0.25_f32, 0.75]), Rgb::new(1.0, 0.0, 0.0), "cut");
+    assert_eq!(texture(3.0, f32::INFINITY).at([0.25_f32, 0.75]), Rgb::new(3.0, 0.0, 0.0), "light is not");
+    for (channel, expected) in
+        [(Channel::Red, 0.5), (Channel::Green, 0.0), (Channel::Blue, 0.0), (Channel::Alpha, 0.5)]
+    {
+        let scalar = Scalar { map: mapped(four(), Wrap::Clamp), channel, factor: 0.5 };
+        let found: f32 = scalar.at([0.25_f32, 0.75]);
+        assert!((found - expected).abs() < 1e-6, "{channel:?}: {found}");
+    }
+}
+
+#[test]
+fn a_matt_square_in_white_light_shows_its_picture() {
+    let folder = Folder::new();
+    let expected = [
+        ((3, 3), Rgb::new(1.0, 0.0, 0.0)),
+        ((12, 3), Rgb::new(0.0, 1.0, 0.0)),
+        ((3, 12), Rgb::new(0.0, 0.0, 1.0)),
+        ((12, 12), Rgb::WHITE),
+    ];
+    for way in WAYS {
+        for backend in ["embree", "bvh2", "cwbvh", "brute"] {
+            let way = format!("{way}\nbackend = \"{backend}\"");
+            let scene =
+                folder.scene(&square(&way, "type = \"diffuse\"\nreflectance = { file = \"four.png\" }"));
+            let shown = picture(&scene);
+            for ((x, y), color) in expected {
+                let found = shown.pixel(x, y);
+                // The light over the square is drawn by its cosine, but not by shadow rays of the tree: these have noise.
+                let tolerance = if way.contains("path") { 1e-5 } else { 0.1 };
+                assert!(close(found, color, tolerance), "{way}, pixel {x}, {y}: {found:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn mirrors_show_theirs_too_and_bases_under_lobes() {
+    let folder = Folder::new();
+    let materials = [
+        "type = \"mirror\"\nreflectance = { file = \"four.png\" }",
+        "type = \"glossy\"\nexponent = 10\nreflectance = 0\ndiffuse = { file = \"four.png\" }",
+        "type = \"phong\"\nexponent = 10\nreflectance = 0\ndiffuse = { file = \"four.png\" }",
+        "type = \"oren_nayar\"\nroughness = 0\nreflectance = { file = \"four.png\" }",
+        "type = \"glazed\"\nior = 1\nreflectance = { file = \"four.png\" }",
+    ];
+    for material in materials {
+        for way in &WAYS[..2] {
+            let shown = picture(&folder.scene(&square(way, material)));
+            assert!(
+                close(shown.pixel(3, 3), Rgb::new(1.0, 0.0, 0.0), 2e-3),
+                "{material}: {:?}",
+                shown.pixel(3, 3)
+            );
+            assert!(close(shown.pixel(12, 12), Rgb::WHITE, 2e-3), "{material}: {:?}", shown.pixel(12, 12));
+        }
+    }
+}
+
+#[test]
+fn repeats_and_offsets_move_the_picture() {
+    let folder = Folder::new();
+    let shown = |how: &str| {
+        let material = format!("type = \"diffuse\"\nreflectance = {{ file = \"four.png\", {how} }}");
+        picture(&folder.scene(&square(WAYS[1], &material)))
+    };
+    let red = Rgb::new(1.0, 0.0, 0.0);
+    let twice = shown("repeat = [2, 2]");
+    assert!(
+        close(twice.pixel(1, 1), red, 1e-5) && close(twice.pixel(9, 9), red, 1e-5),
+        "{:?}",
+        twice.pixel(9, 9)
+    );
+    let moved = shown("offset = [0.5, 0.0]");
+    assert!(close(moved.pixel(12, 3), red, 1e-5), "to the left by half: {:?}", moved.pixel(12, 3));
+    let mirrored = shown("repeat = [2, 1], wrap = \"mirror\"");
+    assert!(close(mirrored.pixel(14, 3), red, 1e-5), "{:?}", mirrored.pixel(14, 3));
+    let clamped = shown("repeat = [2, 1], wrap = \"clamp\"");
+    assert!(close(clamped.pixel(14, 3), Rgb::new(0.0, 1.0, 0.0), 1e-5), "{:?}", clamped.pixel(14, 3));
+}
+
+#[test]
+fn spaces_can_be_told() {
+    let folder = Folder::new();
+    for (space, expected) in
+        [("", 0.215_860_5), (", space = \"srgb\"", 0.215_860_5), (", space = \"linear\"", 128.0 / 255.0)]
+    {
+        let material = format!("type = \"diffuse\"\nreflectance = {{ file = \"gray.png\"{space} }}");
+        let found = picture(&folder.scene(&square(WAYS[0], &material))).pixel(8, 8).r;
+        assert!((found - expected).abs() < 1e-5, "{space}: {found}");
+    }
+}
+
+#[test]
+fn roughness_from_a_picture_is_that_of_the_number() {
+    let folder = Folder::new();
+    let gray = 128.0 / 255.0;
+    for kind in ["type = \"conductor\"\nmetal = \"Au\"", "type = \"dielectric\""] {
+        for way in &WAYS[..3] {
+            let by_number = picture(&folder.scene(&square(way, &format!("{kind}\nalpha = {gray}"))));
+            let by_file =
+                picture(&folder.scene(&square(
+                    way,
+                    &format!("{kind}\nalpha = {{ file = \"gray.png\", channel = \"g\" }}"),
+                )));
+            for (a, b) in by_number.pixels().iter().zip(by_file.pixels()) {
+                assert!(close(*a, *b, 1e-4), "{kind}, {way}: {a:?}, {b:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_file_used_twice_is_loaded_once_and_counted() {
+    let folder = Folder::new();
+    let two = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"four.png\" }")
+        + "[materials.n]\ntype = \"mirror\"\nreflectance = { file = \"./four.png\", repeat = [3, 3], space = \"srgb\" }";
+    let scene = folder.scene(&two);
+    assert_eq!(scene.textures.len(), 1, "one picture");
+    assert_eq!(scene.texture_bytes(), 4 * (256 + 64 + 16 + 4 + 1), "all its sizes");
+    let three = two
+        + "\n[materials.o]\ntype = \"diffuse\"\nreflectance = { file = \"four.png\", space = \"linear\" }";
+    assert_eq!(folder.scene(&three).textures.len(), 2, "light is another picture");
+}
+
+#[test]
+fn missing_and_damaged_files_are_told_with_their_place() {
+    let folder = Folder::new();
+    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"for.png\" }");
+    let message = folder.load(&text).expect_err("missing");
+    let line = text.lines().position(|line| line.contains("for.png")).expect("there") + 1;
+    assert!(message.contains(&format!("scene.toml:{line}:")), "{message}");
+    assert!(message.contains("no such file") && message.contains("did you mean `four.png`?"), "{message}");
+    std::fs::write(folder.path().join("bad.png"), b"rubbish").expect("written");
+    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"bad.png\" }");
+    let message = folder.load(&text).expect_err("damaged");
+    assert!(message.contains(&format!("scene.toml:{line}:")), "{message}");
+    assert!(message.contains("not a sound PNG picture"), "{message}");
+    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"four.png\", wrap = \"round\" }");
+    let message = folder.load(&text).expect_err("no such mode");
+    assert!(message.contains("`wrap` is `round`"), "{message}");
+}
+
+#[test]
+fn all_kinds_of_files_are_read() {
+    let folder = Folder::new();
+    let color = image::Rgb([200, 100, 50]);
+    RgbImage::from_pixel(16, 16, color).save(folder.path().join("a.jpg")).expect("written");
+    RgbaImage::from_pixel(3, 3, image::Rgba([9, 8, 7, 6]))
+        .save(folder.path().join("a.png"))
+        .expect("written");
+    assert!(read_raster(&folder.path().join("a.png")).expect("read").has_alpha, "coverage");
+    let material = "type = \"diffuse\"\nreflectance = { file = \"a.jpg\" }";
+    let found = picture(&folder.scene(&square(WAYS[0], material))).pixel(8, 8);
+    // The light of bytes 200, 100 and 50, give or take two.
+    assert!(close(found, Rgb::new(0.578, 0.127, 0.0319), 0.013), "{found:?}");
+}
+
+/// A square that shines by a picture, seen from the front, and a white floor below it that only it lights.
+fn panel(way: &str, radiance: &str) -> String {
+    format!(
+        r#"
+        [camera]
+        from = [0.0, 0.0, 10.0]
+        at = [0.0, 0.0, 0.0]
+        vfov_deg = 30.0
+        [film]
+        width = 32
+        height = 32
+        filter = "box"
+        [render]
+        {way}
+        [materials.panel]
+        type = "emission"
+        radiance = {radiance}
+        [materials.white]
+        type = "diffuse"
+        reflectance = 0.8
+        [[shapes]]
+        type = "rectangle"
+        edge_u = [1.0, 0.0, 0.0]
+        edge_v = [0.0, 1.0, 0.0]
+        material = "panel"
+        [[shapes]]
+        type = "rectangle"
+        center = [0.0, -1.2, 1.0]
+        edge_u = [2.0, 0.0, 0.0]
+        edge_v = [0.0, 0.0, -2.0]
+        material = "white"
+        transform = [{{ rotate_deg = 10.0, axis = [1, 0, 0] }}]
+        "#
+    )
+}
+
+#[test]
+fn surfaces_shine_by_a_picture_and_light_others() {
+    let folder = Folder::new();
+    let radiance = "{ file = \"four.png\", factor = 2 }";
+    let sum = |image: &specula::image::Image| {
+        // The floor alone, which is lit by what is asked of the light, by what is met by chance, or by both.
+        let floor = (19..32).flat_map(|y| (0..32).map(move |x| (x, y)));
+        floor.fold(Rgb::BLACK, |sum, (x, y)| sum + image.pixel(x, y))
+    };
+    let mut sums = Vec::new();
+    for way in WAYS {
+        let way = way.replace("spp = 16", "spp = 64");
+        let shown = picture(&folder.scene(&panel(&way, radiance)));
+        assert!(
+            close(shown.pixel(14, 14), Rgb::new(2.0, 0.0, 0.0), 1e-4),
+            "{way}: {:?}",
+            shown.pixel(14, 14)
+        );
+        assert!(close(shown.pixel(17, 17), Rgb::gray(2.0), 1e-4), "{way}: {:?}", shown.pixel(17, 17));
+        sums.push(sum(&shown));
+    }
+    // Four squares of one colour each light the floor as the quarters of the picture do.
+    let mut mtl = String::new();
+    for (i, [x, y, r, g, b]) in
+        [[-1, 0, 2, 0, 0], [0, 0, 0, 2, 0], [-1, -1, 0, 0, 2], [0, -1, 2, 2, 2]].into_iter().enumerate()
+    {
+        mtl += &format!("newmtl m{i}\nKe {r} {g} {b}\n");
+        let file = format!(
+            "mtllib quarters.mtl\nusemtl m{i}\nv {x} {y} 0\nv {} {y} 0\nv {} {} 0\nv {x} {} 0\nf 1 2 3 4\n",
+            x + 1,
+            x + 1,
+            y + 1,
+            y + 1
+        );
+        folder.write(&format!("quarter{i}.obj"), &file);
+    }
+    folder.write("quarters.mtl", &mtl);
+    let text = panel(&WAYS[0].replace("spp = 16", "spp = 64"), "0");
+    let quarters: String =
+        (0..4).map(|i| format!("[[shapes]]\ntype = \"mesh\"\nfile = \"quarter{i}.obj\"\n")).collect();
+    let first = text.find("[[shapes]]").expect("the panel");
+    let second = first + 2 + text[first + 2..].find("[[shapes]]").expect("the floor");
+    let text = format!("{}{}{}", &text[..first], &text[second..], quarters);
+    let expected = sum(&picture(&folder.scene(&text)));
+    for (way, found) in WAYS.iter().zip(sums) {
+        let ratio = [found.r / expected.r, found.g / expected.g, found.b / expected.b];
+        // Some 400 pixels of 64 samples each: within 2 per cent.
+        assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.02), "{way}: {ratio:?} of {expected:?}");
+    }
+}
