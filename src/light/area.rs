@@ -240,6 +240,7 @@ fn area_of([a, b, c]: &[glam::Vec3; 3]) -> f32 {
 }
 
 impl SampleArea for MeshArea {
+    #[expect(clippy::manual_map, reason = "a closure may be left out of line, without the instruction set")]
     #[inline(always)]
     fn sample_area<F: Lanes>(&self, like: F, [u, v]: [F; 2]) -> SurfacePoint<F> {
         // What is left of the number within its cell is as good as new.

@@ -7,6 +7,9 @@ use crate::texture::Scalar;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+/// The opacity of each group, and the shape that has such holes.
+type Kind = (Vec<Option<Scalar>>, ShapeId);
+
 impl Builder {
     /// Gives shapes their filters. A filter belongs to a shape: where placements of one differ in their holes, there is a shape for
     /// each kind.
@@ -14,7 +17,7 @@ impl Builder {
         if self.materials.iter().all(|material| material.opacity.is_none()) {
             return;
         }
-        let mut known: BTreeMap<ShapeId, Vec<(Vec<Option<Scalar>>, ShapeId)>> = BTreeMap::new();
+        let mut known: BTreeMap<ShapeId, Vec<Kind>> = BTreeMap::new();
         for id in (0..number(self.surfaces.len())).map(PlacementId) {
             let materials = &self.surfaces[id.index()].materials;
             let opacities: Vec<Option<Scalar>> =
