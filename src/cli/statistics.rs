@@ -159,6 +159,7 @@ mod tests {
             scene: "my scenes/a.toml".into(),
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
+            layout: crate::film::Layout::default(),
             crop: None,
             threads: None,
             precision: Precision::Float,
