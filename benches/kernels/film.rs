@@ -26,7 +26,8 @@ pub(crate) fn race(spp: u32) -> Race<'static> {
         let tiles = SAMPLES / spp / (EDGE * EDGE);
         (0..tiles * EDGE * EDGE).map(|i| SampleId { x: i % EDGE, y: i / EDGE % EDGE, index: 0 })
     };
-    let (run, mut one, mut many) = (samples.clone(), tile(), tile());
+    let (weights, values): (Vec<f32>, Vec<[f32; 4]>) = samples.iter().copied().unzip();
+    let (mut one, mut many) = (tile(), tile());
     Race::new(format!("film with runs of {spp}"), SAMPLES as usize, "samples")
         .with("add", move || {
             for first in pixels() {
@@ -38,7 +39,7 @@ pub(crate) fn race(spp: u32) -> Race<'static> {
         })
         .with("add_run", move || {
             for first in pixels() {
-                many.add_run(first, black_box(&run).iter().copied());
+                many.add_run(first, black_box(&weights), black_box(values.as_flattened()));
             }
             many.window().area() as u64
         })
