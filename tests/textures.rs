@@ -430,3 +430,39 @@ fn surfaces_shine_by_a_picture_and_light_others() {
         assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.02), "{way}: {ratio:?} of {expected:?}");
     }
 }
+
+/// What one sample a pixel shows of a picture of random texels, 64 of them across a pixel.
+fn spread(folder: &Folder, way: &str, shape: &str) -> (f32, f32) {
+    let way = way.replace("spp = 16", "spp = 1");
+    let material = "[materials.m]\ntype = \"emission\"\nradiance = { file = \"noise.png\" }\n";
+    let shown = picture(&folder.scene(&folder::frontal(&way, &format!("{material}{shape}"))));
+    let inner: Vec<f32> =
+        (2..14).flat_map(|y| (2..14).map(move |x| (x, y))).map(|(x, y)| shown.pixel(x, y).r).collect();
+    let mean = inner.iter().sum::<f32>() / inner.len() as f32;
+    let variance = inner.iter().map(|x| (x - mean).powi(2)).sum::<f32>() / inner.len() as f32;
+    (mean, variance.sqrt())
+}
+
+#[test]
+fn fine_patterns_are_seen_as_their_mean() {
+    let folder = Folder::new();
+    let mut random = Random::new(4);
+    let noise = image::GrayImage::from_fn(1024, 1024, |_, _| {
+        image::Luma([if random.unit() < 0.5 { 0 } else { 255 }])
+    });
+    noise.save(folder.path().join("noise.png")).expect("written");
+    let flat = "[[shapes]]\ntype = \"rectangle\"\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\nmaterial = \"m\"";
+    let instance = "[[shapes]]\nname = \"s\"\nhidden = true\ntype = \"rectangle\"\nedge_u = [0.1, 0, 0]\nedge_v = [0, 0.1, 0]\n\
+        material = \"m\"\n[[shapes]]\ntype = \"instance\"\nof = \"s\"\ntransform = [{ scale = 10 }]";
+    let mirrored = "[materials.mirror]\ntype = \"mirror\"\n[[shapes]]\ntype = \"rectangle\"\ncenter = [0, 0, 0]\n\
+        edge_u = [2, 0, 0]\nedge_v = [0, 2, 0]\nmaterial = \"mirror\"\n\
+        [[shapes]]\ntype = \"rectangle\"\ncenter = [0, 0, 20]\nedge_u = [-4, 0, 0]\nedge_v = [0, 4, 0]\nmaterial = \"m\"";
+    for way in WAYS {
+        for (name, shape) in [("flat", flat), ("instance", instance), ("in a mirror", mirrored)] {
+            let (mean, deviation) = spread(&folder, way, shape);
+            // Single texels deviate by a half; means of 64 by 64 of them by 1/128, those of lookups between by less.
+            assert!((mean - 0.5).abs() < 0.02, "{name}, {way}: the mean is {mean}");
+            assert!(deviation < 0.05, "{name}, {way}: pixels deviate by {deviation}");
+        }
+    }
+}
