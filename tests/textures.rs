@@ -1,6 +1,8 @@
 //! Pictures on surfaces: what they show and where, at every width, with every integrator and backend, and what becomes of files
 //! that are not what they should be.
 
+#![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes and texels are small")]
+
 #[path = "support/folder.rs"]
 mod folder;
 #[path = "support/random.rs"]
