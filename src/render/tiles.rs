@@ -45,8 +45,13 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
         plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
     };
     tiles(plan.window).into_par_iter().try_for_each_init(E::Memory::default, |memory, window| {
-        let mut work =
-            Work { plan, eye: &eye, tile: Tile::new(window, plan.layout.clone()), advance: &advance };
+        let mut work = Work {
+            plan,
+            eye: &eye,
+            tile: Tile::new(window, plan.layout.clone()),
+            plain: plan.layout == Layout::default(),
+            advance: &advance,
+        };
         let counters = engine.tile(&mut work, memory)?;
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
         sums.0.add(&work.tile);
@@ -70,6 +75,8 @@ pub(super) struct Work<'a, A> {
     plan: &'a Plan<'a>,
     eye: &'a Eye<'a, A>,
     tile: Tile,
+    /// Whether nothing is kept but the picture and its coverage.
+    plain: bool,
     /// Is told how many samples have been taken.
     advance: &'a dyn Fn(u64),
 }
@@ -86,8 +93,15 @@ impl<A> Work<'_, A> {
         A: Accel,
     {
         values.clear();
-        for (index, radiance) in (first.index..).zip(found).take(weights.len()) {
-            self.outputs(SampleId { index, ..first }, radiance, values);
+        let samples = (first.index..).zip(found).take(weights.len());
+        if self.plain {
+            for (_, Radiance { color, alpha }) in samples {
+                values.extend_from_slice(&[color.r, color.g, color.b, alpha]);
+            }
+        } else {
+            samples.for_each(|(index, radiance)| {
+                self.outputs(SampleId { index, ..first }, radiance, values);
+            });
         }
         self.tile.add_run(first, weights, values);
     }
