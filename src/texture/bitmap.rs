@@ -24,6 +24,8 @@ pub enum Space {
 pub struct Bitmap {
     texels: Texels,
     space: Space,
+    /// The light of each byte.
+    curve: &'static [f32; 256],
     /// Of each level where it starts, its width and its height.
     starts: Vec<u32>,
     widths: Vec<f32>,
@@ -66,12 +68,13 @@ impl Bitmap {
                 Pixels::Floats { half: false, .. } => Texels::Floats(vec![]),
             },
             space,
+            curve: curve(space),
             starts: vec![0],
             widths: vec![size(width)],
             heights: vec![size(height)],
             has_alpha: raster.has_alpha,
         };
-        let curve = curve(space);
+        let (curve, straight) = (curve(space), curve(Space::Linear));
         let mut level = match &raster.pixels {
             Pixels::Gray(bytes) => {
                 let gray = |i: usize| {
@@ -83,7 +86,7 @@ impl Bitmap {
             Pixels::Bytes(bytes) => {
                 let color = |i: usize| {
                     let [r, g, b, a] = bytes[i].map(usize::from);
-                    [curve[r], curve[g], curve[b], curve_of(Space::Linear)[a]]
+                    [curve[r], curve[g], curve[b], straight[a]]
                 };
                 halved(width, height, color)
             }
@@ -227,7 +230,7 @@ impl Bitmap {
 
     #[inline(always)]
     fn decoded<F: Lanes>(&self, byte: F::Int) -> F {
-        byte.isa().gather(curve(self.space), byte)
+        byte.isa().gather(self.curve, byte)
     }
 }
 
@@ -259,10 +262,6 @@ fn byte(light: f32, space: Space) -> u8 {
 
 /// The light of each byte.
 fn curve(space: Space) -> &'static [f32; 256] {
-    curve_of(space)
-}
-
-fn curve_of(space: Space) -> &'static [f32; 256] {
     static CURVES: OnceLock<[[f32; 256]; 2]> = OnceLock::new();
     let curves = CURVES.get_or_init(|| {
         let mut curves = [[0.0; 256]; 2];

@@ -100,6 +100,7 @@ const EXPECTED: [&str; 10] = [
     "kernels::value",
     "kernels::shine",
     "kernels::numbers",
+    "mapped::look_up",
     "EnvironmentMap::sample_one",
 ];
 
