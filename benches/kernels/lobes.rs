@@ -2,7 +2,7 @@
 
 use crate::one_of_each::each_lobe;
 use crate::support::Race;
-use specula::bsdf::choice::{Answer, Question, answer};
+use specula::bsdf::choice::{Answer, Question, ask};
 use specula::bsdf::{Bsdf, Lobe, Spread};
 use specula::math::Vec3;
 use specula::math::lanes::{Isa, Kernel, Lanes, Level, Select};
@@ -108,23 +108,4 @@ fn all<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, questions: &Questions) -> S::F {
         sum += lit.r + lit.g + lit.b + S::F::select(step.valid, way, isa.splat(0.0));
     }
     sum
-}
-
-/// A function of its own per lobe and instruction set, as in the path integrator.
-#[inline(never)]
-fn ask<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, question: &Question<S::F>) -> Answer<S::F> {
-    isa.run(Ask { lobe, question })
-}
-
-struct Ask<'a, L, F> {
-    lobe: &'a L,
-    question: &'a Question<F>,
-}
-
-impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
-    type Output = Answer<S::F>;
-    #[inline(always)]
-    fn run(self, _isa: S) -> Answer<S::F> {
-        answer(self.lobe, self.question)
-    }
 }

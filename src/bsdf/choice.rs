@@ -6,7 +6,7 @@
 //! another.
 
 use crate::bsdf::{BsdfSample, Lobe, Lobes};
-use crate::math::lanes::{Lanes, MaskLanes, Select};
+use crate::math::lanes::{Isa, Kernel, Lanes, MaskLanes, Select};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{heuristic, warp};
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -107,6 +107,25 @@ pub fn answer<F: Lanes, L: Lobe<F>>(lobe: &L, question: &Question<F>) -> Answer<
         }
     }
     Answer { lit, step: chooser.step }
+}
+
+/// As [`answer`], a function of its own per lobe and instruction set: in one piece, kernels take minutes to compile.
+#[inline(never)]
+pub fn ask<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, question: &Question<S::F>) -> Answer<S::F> {
+    isa.run(Ask { lobe, question })
+}
+
+struct Ask<'a, L, F> {
+    lobe: &'a L,
+    question: &'a Question<F>,
+}
+
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
+    type Output = Answer<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Answer<S::F> {
+        answer(self.lobe, self.question)
+    }
 }
 
 /// Takes the last way that begins before a number.

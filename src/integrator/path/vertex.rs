@@ -5,8 +5,8 @@ use super::met::{Met, WIDEST, hit_of};
 use super::surfaces::Surfaces;
 use super::wave::{Guarded, Guards, Paths, Shadows, Slots, Wave};
 use crate::accel::{Coherence, Packet};
-use crate::bsdf::choice::{Answer, Question, Step, answer};
-use crate::bsdf::{Lobe, with_lobe};
+use crate::bsdf::choice::{Answer, Question, Step, ask};
+use crate::bsdf::with_lobe;
 use crate::geometry::{PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
@@ -482,25 +482,6 @@ fn of_layers<S: Isa>(
 /// What of a choice falls to a layer; a black one has no way on.
 fn share_of(layer: &Layer) -> f32 {
     if matches!(layer.scattering, Scattering::Black) { 0.0 } else { layer.weight.max_channel() }
-}
-
-/// A function of its own per lobe and instruction set: in one piece, kernels take minutes to compile.
-#[inline(never)]
-fn ask<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, question: &Question<S::F>) -> Answer<S::F> {
-    isa.run(Ask { lobe, question })
-}
-
-struct Ask<'a, L, F> {
-    lobe: &'a L,
-    question: &'a Question<F>,
-}
-
-impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Ask<'_, L, S::F> {
-    type Output = Answer<S::F>;
-    #[inline(always)]
-    fn run(self, _isa: S) -> Answer<S::F> {
-        answer(self.lobe, self.question)
-    }
 }
 
 /// Where the lanes are.
