@@ -1,7 +1,7 @@
 //! How cost grows: with triangles, with pixels, and how rates grow with threads.
 //!
 //! Paths on Embree, rays asked for as where nobody says. `cargo bench --bench scaling -- [--record]` also writes `scaling.csv` and
-//! `scaling.svg` of `benches/record`; without cargo's `--bench` small pictures are made once, only to show that it runs. Costs are
+//! `scaling.svg` of `benches/record`; with `threads`, `pixels` or `triangles` only that part is shown; without cargo's `--bench` small pictures are made once, only to show that it runs. Costs are
 //! CPU time of one thread, the cases in turn. Speed by threads is by the clock and wants a machine that does nothing else: what others
 //! used meanwhile is told beside it.
 
@@ -168,11 +168,13 @@ fn by_pixels((is_bench, passes): (bool, usize), found: &mut Found) -> Result<()>
 }
 
 fn by_threads((is_bench, passes): (bool, usize), found: &mut Found) -> Result<()> {
-    let size = if is_bench { 512 } else { 16 };
+    // Seconds of work, beside which a tile that comes last is nothing.
+    let (size, spp) = if is_bench { (512, 32) } else { (16, 1) };
+    let long = format!("integrator = \"path\"\nspp = {}\nmax_depth = 5", 4 * spp);
     let all = Machine::here().processors;
     for (against, scene) in [
-        ("threads in a box", place(4, size)?),
-        ("threads in a landscape", places::landscape(707, PATHS, size / 2)?),
+        ("threads in a box", place(spp, size)?),
+        ("threads in a landscape", places::landscape(707, &long, size / 2)?),
     ] {
         let case = Case::new(all as f64, scene)?;
         let took = interleave(2, passes, |turn| take(&case, NonZeroUsize::new([1, all][turn])))?;
@@ -190,6 +192,7 @@ fn by_threads((is_bench, passes): (bool, usize), found: &mut Found) -> Result<()
             found.note(at, "speed by the clock; quietest pair", alone(gain));
             found.note(at, "processors others used meanwhile", alone(others));
         }
+        found.note(at, "processors kept busy", Spread::of(took[1].iter().map(|all| all.cpu_s / all.wall_s)));
         let per_ray = pairs.iter().map(|(one, all)| (all.cpu_s / all.rays) / (one.cpu_s / one.rays));
         found.note(at, "CPU per ray over that of one thread", Spread::of(per_ray));
         found.note(
@@ -220,6 +223,9 @@ fn main() -> Result<()> {
     }
     if wants("triangles") {
         by_triangles(kind, &mut found)?;
+    }
+    if words.iter().any(|word| !word.starts_with('-')) {
+        return Ok(()); // records are of the whole
     }
     let panel = |title: &str, axes, against, curves: &[[&str; 2]]| Panel {
         title: title.to_owned(),

@@ -11,8 +11,7 @@ use crate::render::eye::Eye;
 use crate::render::samples::{Begin, CameraSamples, Cursor};
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// Pixels along the edge of a tile: large enough that starting one costs nothing, small enough that the last ones do
@@ -44,7 +43,10 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
     let advance = |samples| {
         plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
     };
-    tiles(plan.window).into_par_iter().try_for_each_init(E::Memory::default, |memory, window| {
+    // Each thread takes the next tile when it is done with one. (An iterator of rayon's would deal out runs of tiles beforehand, and the
+    // last run keeps others waiting.)
+    let (tiles, next) = (tiles(plan.window), AtomicUsize::new(0));
+    let take = |memory: &mut E::Memory, window| -> Result<()> {
         let mut work = Work {
             plan,
             eye: &eye,
@@ -56,8 +58,16 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
         let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
         sums.0.add(&work.tile);
         sums.1 += counters;
-        Ok::<(), Error>(())
-    })?;
+        Ok(())
+    };
+    let ended = rayon::broadcast(|_| -> Result<()> {
+        let mut memory = E::Memory::default();
+        while let Some(&window) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
+            take(&mut memory, window).inspect_err(|_| next.store(tiles.len(), Ordering::Relaxed))?;
+        }
+        Ok(())
+    });
+    ended.into_iter().collect::<Result<()>>()?;
     Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
 }
 
