@@ -337,9 +337,9 @@ record! {
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
         min_throughput: f32 = 1e-3, min(0.0), max(1.0);
-        /// Shadow rays to each light that has a size, at the first hits; absent: 4 under `distribution`, else 1.
+        /// Shadow rays to each light that has a size, at the first hits; absent: 2 under `distribution`, else 1.
         light_samples: Option<u32>, min(1.0), max(65536.0);
-        /// Rays of each glossy lobe, at the first hits; absent: 4 under `distribution`, else 1.
+        /// Rays of each glossy lobe, at the first hits; absent: 2 under `distribution`, else 1.
         glossy_samples: Option<u32>, min(1.0), max(65536.0);
         /// How many hits are first hits, counted along each path from the camera; later ones send one ray of each kind.
         split_depth: u32 = 1, min(0.0), max(64.0);
@@ -400,7 +400,7 @@ impl Integrator {
     /// Rays of each kind at the first hits where the scene does not say.
     const fn default_samples(self) -> u32 {
         match self {
-            Self::Distribution => 4,
+            Self::Distribution => 2,
             Self::Whitted | Self::Path | Self::View => 1,
         }
     }
