@@ -138,6 +138,27 @@ record! {
     }
 }
 
+record! {
+    /// A picture of heights: the surface is shaded as if white stood out over black. Its outline stays as it is.
+    pub struct Bump {
+        /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
+        file: Located<PathBuf>, file(RASTERS);
+        /// Where the heights are; red without, which in gray pictures is the shade.
+        channel: Option<Channel>;
+        /// How far white stands out over black, in widths of a texel: 1 makes a slope of 45 degrees of white beside black; negative
+        /// numbers sink it.
+        strength: f32 = 1.0, min(-1e4), max(1e4);
+        /// The same in metres, instead of `strength`.
+        height: Option<f32>, unit("m"), min(-1e6), max(1e6);
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1.
+        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+    }
+}
+
 choice! {
     /// What the numbers of a picture stand for.
     pub enum Space {
@@ -516,6 +537,8 @@ record! {
         emission: Texture = Texture::gray(0.0), unit("W/(sr m^2)"), min(0.0), max(1e20);
         /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
         normal_map: Option<NormalMap>;
+        /// A relief by a picture of heights, likewise; instead of `normal_map`.
+        bump: Option<Bump>;
         /// Holes: where this is below 0.5 there is no surface. For materials that do not shine.
         opacity: Option<ScalarTexture>;
         ..scattering: Scattering, "What it does with light.";
@@ -524,7 +547,7 @@ record! {
 
 impl From<Scattering> for Material {
     fn from(scattering: Scattering) -> Self {
-        Self { emission: Texture::gray(0.0), normal_map: None, opacity: None, scattering }
+        Self { emission: Texture::gray(0.0), normal_map: None, bump: None, opacity: None, scattering }
     }
 }
 

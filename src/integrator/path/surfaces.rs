@@ -29,7 +29,7 @@ impl Surfaces {
         let materials = placements.map(|id| scene.only_material_of(id).map_or(SEVERAL, |id| id.0)).collect();
         let shines = scene.materials.iter().map(|material| u32::from(material.emission.is_some())).collect();
         let any = |has: fn(&Material) -> bool| scene.materials.iter().any(has);
-        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.normal_map.is_some()));
+        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.relief.is_some()));
         let choices = any(|m| m.scattering.has_choice());
         Self { materials, shines, textured, reliefs, choices }
     }

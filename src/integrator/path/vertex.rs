@@ -264,7 +264,7 @@ fn relieved<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let material = &scene.materials[met.materials.extract(lane) as usize];
-        if material.normal_map.is_none() {
+        if material.relief.is_none() {
             continue;
         }
         if let Some(ns) = relief_of(scene, (packet, lane), material, met.footprint.extract(lane)) {

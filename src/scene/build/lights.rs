@@ -72,7 +72,7 @@ impl Builder {
         let material = self.add_material(Material {
             scattering: Scattering::Black,
             emission,
-            normal_map: None,
+            relief: None,
             opacity: None,
         });
         let shape = self.world.add_shape(shape);
