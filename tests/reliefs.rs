@@ -147,7 +147,10 @@ fn a_plane_whose_heights_grow_is_as_bright_as_one_that_leans() {
         ("bump = { file = \"slope.png\", height = -1.5 }", leaning(-1.5 * per_metre)),
         ("bump = { file = \"slope.png\", strength = 20 }", leaning(20.0 * texel * per_metre)),
         // Half as wide, as often repeated: twice as steep in metres, as steep in texels but for the mean of their edges.
-        ("bump = { file = \"slope.png\", height = 1.5, repeat = [2, 1], offset = [0.3, 0] }", leaning(3.0 * per_metre)),
+        (
+            "bump = { file = \"slope.png\", height = 1.5, repeat = [2, 1], offset = [0.3, 0] }",
+            leaning(3.0 * per_metre),
+        ),
         (
             "bump = { file = \"slope.png\", strength = 20, repeat = [2, 1], offset = [0.3, 0] }",
             leaning(20.0 * texel * 2.0_f32.sqrt() * per_metre),

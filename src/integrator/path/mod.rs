@@ -33,7 +33,7 @@ use crate::sampling::{SamplerKind, Vertex};
 use crate::scene::Scene;
 use lights::Lights;
 use surfaces::Surfaces;
-use vertex::{Chunk, Surroundings};
+use vertex::{Beyond, Chunk, Surroundings};
 use wave::Guarded;
 
 /// A path tracer for a scene.
@@ -89,6 +89,7 @@ impl Path {
             coherence: if self.whole { Coherence::Coherent } else { Coherence::Incoherent },
             bounces_in_packets: self.bounces_in_packets,
             media: stage.scene.has_media(),
+            absorbs: stage.scene.absorbs(),
             turns: stage.turns(),
             beam: Beam::of(stage.scene),
         };
@@ -116,6 +117,7 @@ fn follow<A: Accel, S: Isa, const N: usize>(
     let mut vertex = Vertex::ROOT;
     let mut coherence = around.coherence;
     let mut packet = Packet::<N>::EMPTY;
+    let mut beyond = Beyond { eta: [1.0; N], media: [Media::default(); N], changed: 0 };
     for depth in 1..=around.max_depth {
         wave.shadows.rays.len = 0;
         wave.shadows.absorbed = 0;
@@ -132,9 +134,8 @@ fn follow<A: Accel, S: Isa, const N: usize>(
                     packet.set_hit(lane, hit.as_ref());
                 }
             }
-            let mut beyond = [(Media::default(), 1.0); N];
             if around.media {
-                arrive(stage, wave, (at, count), (&mut packet, &mut beyond), counters);
+                arrive(stage, wave, (at, count, around.absorbs), (&mut packet, &mut beyond), counters);
             }
             let (packet, beyond) = (&packet, &beyond);
             let chunk = Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond };
@@ -194,33 +195,43 @@ fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave, cou
 fn arrive<A: Accel, const N: usize>(
     stage: &Stage<'_, A>,
     wave: &mut Wave,
-    (at, count): (usize, usize),
-    (packet, beyond): (&mut Packet<N>, &mut [(Media, f32); N]),
+    (at, count, absorbs): (usize, usize, bool),
+    (packet, beyond): (&mut Packet<N>, &mut Beyond<N>),
     counters: &mut Counters,
 ) {
-    for (lane, behind) in beyond.iter_mut().enumerate().take(count) {
+    let scene = stage.scene;
+    *beyond = Beyond { eta: [1.0; N], changed: 0, ..*beyond };
+    for lane in 0..count {
         let slot = wave.paths.rays.slot.all()[at + lane] as usize;
         let mut ray = packet.ray.get(lane).until(f32::INFINITY);
         let mut start = ray.o;
         for _ in 0..MOST_HIDDEN {
             let media = wave.slots.media[slot];
-            *behind = (media, 1.0);
+            let inside = media.current().filter(|_| absorbs);
             let Some(hit) = packet.get_hit(lane) else {
-                wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), f32::INFINITY));
+                if inside.is_some() {
+                    wave.paths.absorb(at + lane, scene.absorbed(inside, f32::INFINITY));
+                }
                 break;
             };
-            let it = stage.scene.world.interaction(&ray, &hit);
-            let length = it.p.distance(start);
-            wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), length));
-            let (id, material) = stage.scene.material(&it);
-            let Some(medium) = material.medium() else { break };
+            let id = scene.material_of(hit.placement, hit.prim);
+            let material = &scene.materials[id.index()];
+            let medium = material.medium();
+            if inside.is_none() && medium.is_none() {
+                break;
+            }
+            let it = scene.world.interaction(&ray, &hit);
+            if inside.is_some() {
+                wave.paths.absorb(at + lane, scene.absorbed(inside, it.p.distance(start)));
+            }
+            let Some(medium) = medium else { break };
             let past = match media.cross(id, medium, it.is_front()) {
                 #[expect(
                     clippy::float_cmp,
                     reason = "between equal media nothing is seen and no direction may change"
                 )]
                 Crossing::Interface { eta, beyond: past } if eta != 1.0 || !material.is_interface() => {
-                    *behind = (past, eta);
+                    beyond.set(lane, eta, past);
                     break;
                 }
                 Crossing::Interface { beyond: past, .. } | Crossing::Hidden { beyond: past } => past,

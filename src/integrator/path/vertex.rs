@@ -6,7 +6,7 @@ use super::surfaces::Surfaces;
 use super::wave::{Guarded, Guards, Paths, Shadows, Slots, Wave};
 use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, ask};
-use crate::bsdf::with_lobe;
+use crate::bsdf::{Diffuse, with_lobe};
 use crate::geometry::{PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
@@ -17,7 +17,7 @@ use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Selec
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
-use crate::texture::Spot;
+use crate::texture::{Spot, Texture};
 
 /// What is the same for all vertices of a rendering.
 #[derive(Debug)]
@@ -33,6 +33,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) bounces_in_packets: bool,
     /// Whether any surface bounds a medium.
     pub(super) media: bool,
+    /// Whether any medium absorbs light.
+    pub(super) absorbs: bool,
     /// Whether any surface is not the same in all directions.
     pub(super) turns: bool,
     /// Where surfaces show pictures: what the widths of rays follow from.
@@ -53,8 +55,26 @@ pub(super) struct Chunk<'a, const N: usize> {
     pub(super) to: usize,
     pub(super) depth: u32,
     pub(super) vertex: Vertex,
-    /// What lies behind the surface of each lane, and its index over that before it; where there are media.
-    pub(super) beyond: &'a [(Media, f32); N],
+    pub(super) beyond: &'a Beyond<N>,
+}
+
+/// What lies behind the surfaces of a chunk.
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<const N: usize> {
+    /// The index of each over that before it.
+    pub(super) eta: [f32; N],
+    /// The media; unspecified where the same are in front.
+    pub(super) media: [Media; N],
+    /// The lanes where others are in front.
+    pub(super) changed: u32,
+}
+
+impl<const N: usize> Beyond<N> {
+    /// Notes the surface of a medium.
+    pub(super) fn set(&mut self, lane: usize, eta: f32, media: Media) {
+        (self.eta[lane], self.media[lane]) = (eta, media);
+        self.changed |= 1 << lane;
+    }
 }
 
 impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
@@ -101,10 +121,10 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             // Where media hide surfaces, paths get to lights that rays towards them do not reach.
             last: depth + 1 == around.max_depth && !around.media,
         };
-        let mut found = scatter(isa, around.scene, &met, beyond, &question);
+        let mut found = scatter(isa, (around.scene, around.surfaces), &met, beyond, &question);
         let at = Here { scene: around.scene, packet, lanes: &lanes, met: &met, shading: &shading };
         ask_lights(isa, (shadows, guards), &at, (&light, &question), found.lit);
-        if around.media {
+        if around.absorbs {
             absorb_shadows(around.scene, shadows, slots);
         }
         if question.last {
@@ -408,19 +428,26 @@ impl<S: Isa> Kernel<S> for AskLight<'_, S::F> {
 #[inline(always)]
 fn scatter<S: Isa, const N: usize>(
     isa: S,
-    scene: &Scene,
+    (scene, surfaces): (&Scene, &Surfaces),
     met: &Met<S>,
-    beyond: &[(Media, f32); N],
+    beyond: &Beyond<N>,
     question: &Question<S::F>,
 ) -> Answer<S::F> {
-    let eta = isa.per_lane(|lane| beyond[lane].1);
+    let eta = isa.load(&beyond.eta);
     let mut all = Answer::black(question.wo);
     let mut bits = met.hit.bits();
+    let kinds = surfaces.alike(isa, met.materials);
     while bits != 0 {
-        let id = met.materials.extract(bits.trailing_zeros() as usize);
-        let same = Compare::<u32>::eq(met.materials, id) & met.hit;
+        let id = kinds.extract(bits.trailing_zeros() as usize);
+        let same = Compare::<u32>::eq(kinds, id) & met.hit;
         bits &= !same.bits();
-        let found = of_material(isa, &scene.materials[id as usize].scattering, (met, eta), question);
+        let found = match &scene.materials[id as usize].scattering {
+            Scattering::Diffuse { reflectance: Texture::Constant(_) } => {
+                let reflectance = surfaces.colors(isa, S::I::select(same, met.materials, isa.splat_u32(id)));
+                ask(isa, &Diffuse { reflectance }, question)
+            }
+            scattering => of_material(isa, scattering, (met, eta), question),
+        };
         if same.bits() == met.hit.bits() {
             return found;
         }
@@ -656,17 +683,12 @@ impl<S: Isa> Next<S> {
 
 /// The media of those that cross a surface.
 #[inline(always)]
-fn cross<I: IntLanes, const N: usize>(
-    slots: &mut Slots,
-    names: I,
-    crossing: I::Mask,
-    beyond: &[(Media, f32); N],
-) {
-    let mut bits = crossing.bits();
+fn cross<I: IntLanes, const N: usize>(slots: &mut Slots, names: I, crossing: I::Mask, beyond: &Beyond<N>) {
+    let mut bits = crossing.bits() & beyond.changed;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        slots.media[names.extract(lane) as usize] = beyond[lane].0;
+        slots.media[names.extract(lane) as usize] = beyond.media[lane];
     }
 }
 
@@ -675,6 +697,9 @@ fn cross<I: IntLanes, const N: usize>(
 fn absorb_shadows(scene: &Scene, shadows: &mut Shadows, slots: &Slots) {
     for i in shadows.absorbed..shadows.rays.len {
         let medium = slots.media[shadows.rays.slot.all()[i] as usize].current();
+        if medium.is_none() {
+            continue;
+        }
         let d = glam::Vec3::from(shadows.rays.d.get(i));
         let length = if shadows.end.all()[i].is_finite() { d.length() } else { f32::INFINITY };
         let left = scene.absorbed(medium, length);

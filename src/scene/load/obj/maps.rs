@@ -7,7 +7,9 @@
 use crate::error::{Place, Problem};
 use crate::image::RASTERS;
 use crate::math::Rgb;
-use crate::scene::description::{Bump, ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap};
+use crate::scene::description::{
+    Bump, ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
+};
 use crate::scene::load::files;
 use std::path::{Path, PathBuf};
 
