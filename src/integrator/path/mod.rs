@@ -220,12 +220,12 @@ fn arrive<A: Accel, const N: usize>(
             if inside.is_none() && medium.is_none() {
                 break;
             }
-            let it = scene.world.interaction(&ray, &hit);
             if inside.is_some() {
-                wave.paths.absorb(at + lane, scene.absorbed(inside, it.p.distance(start)));
+                let length = scene.world.interaction(&ray, &hit).p.distance(start);
+                wave.paths.absorb(at + lane, scene.absorbed(inside, length));
             }
             let Some(medium) = medium else { break };
-            let past = match media.cross(id, medium, it.is_front()) {
+            let past = match media.cross(id, medium, scene.world.is_front(&ray, &hit)) {
                 #[expect(
                     clippy::float_cmp,
                     reason = "between equal media nothing is seen and no direction may change"
@@ -239,6 +239,7 @@ fn arrive<A: Accel, const N: usize>(
             wave.slots.media[slot] = past;
             // Rays towards lights end here, so that nothing is left to share.
             wave.paths.forget_density(at + lane);
+            let it = scene.world.interaction(&ray, &hit);
             ray = it.spawn(ray.d);
             start = it.p;
             counters.hidden += 1;
