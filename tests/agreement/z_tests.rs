@@ -1,0 +1,207 @@
+//! Mitsuba's own tests of pictures: small references with the variance of each pixel.
+//!
+//! Their variances are those of X, Y and Z: as files they went through the matrix from XYZ to RGB like colours, which is why some
+//! seem negative. So all is compared in XYZ.
+
+use crate::data_folder::folder;
+use crate::mitsuba::Peer;
+use crate::scene::scene_of;
+use crate::shots::{Shot, Verdict, limit};
+use crate::table::{HEAD, row, samples, tell};
+use std::path::Path;
+
+/// From linear Rec.709 to XYZ, as Mitsuba has it (ITU-R BT.709, D65).
+const XYZ: [[f64; 3]; 3] =
+    [[0.412_453, 0.357_580, 0.180_423], [0.212_671, 0.715_160, 0.072_169], [0.019_334, 0.119_193, 0.950_227]];
+
+fn xyz(rgb: [f64; 3]) -> [f64; 3] {
+    XYZ.map(|row| row.iter().zip(rgb).map(|(m, x)| m * x).sum())
+}
+
+/// A picture of ours in XYZ. Channels share their noise, so the deviation of a sum is at most the sum of deviations.
+fn ours(shot: &Shot) -> Shot {
+    let bound = |variance: &[f64; 3]| xyz(variance.map(f64::sqrt)).map(|deviation| deviation * deviation);
+    Shot {
+        size: shot.size,
+        mean: shot.mean.iter().copied().map(xyz).collect(),
+        variance: shot.variance.iter().map(bound).collect(),
+    }
+}
+
+/// A reference of theirs in XYZ, with the variance of one sample.
+fn theirs(folder: &Path, name: &str) -> Shot {
+    let [mean, variance] = ["", "_var"].map(|what| folder.join(format!("refs/{name}_ref_rgb{what}.exr")));
+    let mut shot = Shot::read(&mean, Some(&variance));
+    shot.mean.iter_mut().for_each(|pixel| *pixel = xyz(*pixel));
+    shot.variance.iter_mut().for_each(|pixel| *pixel = xyz(*pixel).map(|x| x.max(0.0)));
+    shot
+}
+
+/// A scene of theirs.
+struct Case {
+    folder: &'static str,
+    scene: &'static str,
+    reference: &'static str,
+    /// Of Mitsuba, that made the reference.
+    version: u32,
+    spp: u32,
+    remarks: &'static str,
+}
+
+const CASES: [Case; 10] = [
+    Case {
+        folder: "infinite_mirrors",
+        scene: "scene_path",
+        reference: "scene",
+        version: 2,
+        spp: 1024,
+        remarks: "three mirrors in a picture of a room",
+    },
+    Case {
+        folder: "floating_sphere",
+        scene: "test_directional_direct",
+        reference: "test_directional",
+        version: 2,
+        spp: 256,
+        remarks: "a hard shadow",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_constant_path",
+        reference: "test_constant",
+        version: 2,
+        spp: 512,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_envmap_path",
+        reference: "test_envmap",
+        version: 2,
+        spp: 512,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_arealight_path",
+        reference: "test_arealight",
+        version: 2,
+        spp: 512,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_pointlight_path",
+        reference: "test_pointlight",
+        version: 2,
+        spp: 512,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_normalmap_path",
+        reference: "test_normalmap",
+        version: 3,
+        spp: 512,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_normalmap_roughconductor_path",
+        reference: "test_normalmap_roughconductor",
+        version: 3,
+        spp: 1024,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_normalmap_identity_roughconductor_path",
+        reference: "test_normalmap_identity_roughconductor",
+        version: 3,
+        spp: 1024,
+        remarks: "",
+    },
+    Case {
+        folder: "bsdf_spheres",
+        scene: "test_roughdielectric_path",
+        reference: "test_roughdielectric",
+        version: 2,
+        spp: 512,
+        remarks: "",
+    },
+];
+
+/// How many samples the references took: not told; this many make their noise what is left between a long picture and them.
+const THEIR_SAMPLES: f64 = 4096.0;
+
+/// Part of the pixels that Mitsuba's test wants to pass.
+const PASSING: f64 = 0.9975;
+
+#[test]
+fn small_pictures_pass_the_test_of_mitsuba() {
+    let Some(data) = folder("scenes/mitsuba-tests") else { return };
+    let mut table = HEAD.to_owned();
+    let mut failed = Vec::new();
+    for case in &CASES {
+        let Case { folder, scene, reference, version, spp, remarks } = *case;
+        let folder = data.join(folder);
+        let peer = Peer::read(&folder.join(format!("{scene}.xml")), version);
+        let spp = samples(spp);
+        let settings = format!("integrator = \"path\"\nsampler = \"independent\"\nspp = {spp}");
+        let found = ours(&Shot::of(&scene_of(&peer.scene(&settings, peer.size))));
+        let truth = theirs(&folder, reference);
+        let marks = Shot::of(&scene_of(&peer.marks(peer.size)));
+        let dropped: Vec<bool> = marks.mean.iter().map(|pixel| pixel[0] > 0.0).collect();
+        dump(reference, &found, &truth, &dropped);
+        let (found, mut truth) = (found.without(&dropped), truth.without(&dropped));
+        let passing = passing(&found, &truth, spp);
+        truth.variance.iter_mut().flatten().for_each(|x| *x /= THEIR_SAMPLES);
+        let verdict = Verdict::of(&found, &truth);
+        let left_out = dropped.iter().filter(|dropped| **dropped).count();
+        let mut remarks = remarks.to_owned();
+        if left_out > 0 {
+            remarks += &format!(", {left_out} pixels of surfaces that we lack left out");
+        }
+        table += &row(reference, spp, &verdict, remarks.trim_start_matches(", "));
+        if passing < PASSING {
+            failed.push(format!("{reference}: {passing} of the pixels"));
+        }
+    }
+    tell("Mitsuba's test scenes", &table);
+    assert!(failed.is_empty(), "{failed:?}");
+}
+
+/// The part of pixels that passes the z-test as Mitsuba does it: with the reference's variance for ours, and the reference as true.
+fn passing(found: &Shot, truth: &Shot, spp: u32) -> f64 {
+    // As many pictures of ours as would have been made with 256 samples.
+    let limit = limit(found.mean.len());
+    let pairs = found.mean.iter().zip(&truth.mean).zip(&truth.variance);
+    let z = pairs.flat_map(|((a, b), variance)| {
+        [0, 1, 2].map(|c| (a[c] - b[c]).abs() * (f64::from(spp.min(256)) / variance[c].max(1e-4)).sqrt())
+    });
+    z.filter(|z| *z <= limit).count() as f64 / (found.mean.len() * 3) as f64
+}
+
+/// Both pictures and how many deviations they are apart, for eyes, where `SPECULA_DUMP` names a folder.
+fn dump(name: &str, found: &Shot, truth: &Shot, dropped: &[bool]) {
+    use specula::image::{Window, exr};
+    let Some(folder) = std::env::var_os("SPECULA_DUMP") else { return };
+    let size = found.size.map(|n| u32::try_from(n).expect("small"));
+    let channel = |name: String, of: &dyn Fn(usize) -> f64| {
+        #[expect(clippy::cast_possible_truncation, reason = "to look at")]
+        let samples = exr::Samples::Float((0..found.mean.len()).map(|i| of(i) as f32).collect());
+        exr::Channel { name, samples }
+    };
+    let mut channels = Vec::new();
+    for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(format!("ours.{letter}"), &|i| found.mean[i][c]));
+        channels.push(channel(format!("theirs.{letter}"), &|i| truth.mean[i][c]));
+        channels.push(channel(format!("z.{letter}"), &|i| {
+            let variance = found.variance[i][c] + truth.variance[i][c] / THEIR_SAMPLES + 1e-14;
+            if dropped[i] { 0.0 } else { (found.mean[i][c] - truth.mean[i][c]) / variance.sqrt() }
+        }));
+    }
+    let (full, window) = (size, Window::whole(size[0], size[1]));
+    let picture = exr::Picture { full, window, channels, attributes: Vec::new(), warnings: Vec::new() };
+    exr::write(&Path::new(&folder).join(format!("{name}.exr")), picture).expect("written");
+}
