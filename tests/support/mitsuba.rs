@@ -383,7 +383,7 @@ impl Peer {
     }
 
     fn picture(&self, node: &Node<'_, '_>, name: &str) -> Option<PathBuf> {
-        let texture = child_named(node, name).filter(|node| attribute(node, "type") == "bitmap")?;
+        let texture = child_named(node, name).filter(|node| node.attribute("type") == Some("bitmap"))?;
         Some(self.found(property(&texture, "filename")?))
     }
 
