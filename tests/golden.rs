@@ -4,7 +4,7 @@
 //! SPECULA_RECORD=1 cargo test --release --test golden   # renders the pictures anew: minutes
 //! ```
 //!
-//! A picture holds the mean over 65 536 independent samples of each pixel and the variance of one of them. The tests take a few
+//! A picture holds the mean over 16 384 independent samples of each pixel and the variance of one of them. The tests take a few
 //! hundred, by every integrator that should agree, and ask whether the difference is noise: of blocks of 4 by 4 pixels, which are
 //! nearly normal where single pixels meet a caustic once in a hundred samples.
 
@@ -19,7 +19,7 @@ use specula::scene::Scene;
 use std::path::{Path, PathBuf};
 
 /// Samples of the pictures that are kept, and their seed.
-const LONG: (u32, u32) = (65_536, 77);
+const LONG: (u32, u32) = (16_384, 77);
 
 /// Samples of a test.
 const SHORT: u32 = 256;

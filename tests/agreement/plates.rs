@@ -18,7 +18,7 @@ const STRATEGIES: [&str; 3] = ["light", "bsdf", "both"];
 
 fn plates() -> Option<(PathBuf, Peer)> {
     let folder = folder("scenes/veach-mis")?;
-    let peer = Peer::read(&folder.join("scene.xml"), 0);
+    let peer = Peer::read(&folder.join("scene.xml"));
     Some((folder, peer))
 }
 
@@ -32,6 +32,7 @@ fn strategies_agree_with_each_other_and_with_tungsten() {
     let Some((folder, peer)) = plates() else { return };
     let reference = Shot::read(&folder.join("TungstenRender.exr"), None).blocks(8);
     let mut table = HEAD.to_owned();
+    let mut failed = Vec::new();
     let shots = STRATEGIES.map(|direct| {
         let spp = samples(if direct == "both" { 64 } else { 256 });
         (spp, Shot::of(&scene_of(&peer.scene(&settings(direct, spp), SIZE))))
@@ -47,13 +48,19 @@ fn strategies_agree_with_each_other_and_with_tungsten() {
             &verdict,
             &format!("{direct}, against Tungsten; blocks of 80 by 80 pixels of the reference"),
         );
-        assert!(verdict.bias.abs() < 0.01, "{direct}: {verdict:?}");
+        if verdict.bias.abs() > 5e-3 && verdict.bias_deviations > 3.5 {
+            failed.push(format!("{direct}: {verdict:?}"));
+        }
     }
     for (direct, (spp, shot)) in STRATEGIES.into_iter().zip(&shots).take(2) {
         let verdict = Verdict::of(&shot.blocks(10), &shots[2].1.blocks(10));
         table += &row("veach-mis", *spp, &verdict, &format!("{direct}, against both; blocks of 10 by 10"));
+        if verdict.bias_deviations > 3.5 {
+            failed.push(format!("{direct} against both: {verdict:?}"));
+        }
     }
     tell("Plates", &table);
+    assert!(failed.is_empty(), "{failed:?}");
 }
 
 /// Plates from the smoothest to the roughest, by where their points are.
@@ -111,7 +118,9 @@ fn both_strategies_together_are_never_much_worse_than_the_better_one() {
         let light = format!(
             "type = \"sphere\"\ncenter = [0.0, 6.5, 0.0]\nradius = {radius:?}\nradiance = {radiance:?}\n"
         );
-        let peer = peer.lit_by(&light);
+        let mut peer = peer.lit_by(&light);
+        // Light that plates throw on each other is the same for all and would hide what is compared.
+        peer.max_depth = 2;
         for (column, direct) in STRATEGIES.into_iter().enumerate() {
             let shot = Shot::of(&scene_of(&peer.scene(&settings(direct, spp), SIZE)));
             for (plate, cells) in found[row].iter_mut().enumerate() {

@@ -2,7 +2,8 @@
 
 #![expect(clippy::print_stdout, reason = "tells what was found")]
 
-use crate::shots::Verdict;
+use crate::shots::{Shot, Verdict};
+use specula::image::{Window, exr};
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::Mutex;
@@ -48,4 +49,24 @@ pub(crate) fn tell(name: &str, table: &str) {
         }
     }
     std::fs::write(&path, text).expect("written");
+}
+
+/// Both pictures and their difference, for eyes, where `SPECULA_DUMP` names a folder.
+pub(crate) fn dump(name: &str, found: &Shot, truth: &Shot) {
+    let Some(folder) = std::env::var_os("SPECULA_DUMP") else { return };
+    let size = found.size.map(|n| u32::try_from(n).expect("small"));
+    let channel = |name: String, of: &dyn Fn(usize) -> f64| {
+        #[expect(clippy::cast_possible_truncation, reason = "to look at")]
+        let samples = exr::Samples::Float((0..found.mean.len()).map(|i| of(i) as f32).collect());
+        exr::Channel { name, samples }
+    };
+    let mut channels = Vec::new();
+    for (c, letter) in ["R", "G", "B"].into_iter().enumerate() {
+        channels.push(channel(format!("ours.{letter}"), &|i| found.mean[i][c]));
+        channels.push(channel(format!("theirs.{letter}"), &|i| truth.mean[i][c]));
+        channels.push(channel(format!("deviation.{letter}"), &|i| found.variance[i][c].sqrt()));
+    }
+    let (full, window) = (size, Window::whole(size[0], size[1]));
+    let picture = exr::Picture { full, window, channels, attributes: Vec::new(), warnings: Vec::new() };
+    exr::write(&Path::new(&folder).join(format!("{name}.exr")), picture).expect("written");
 }

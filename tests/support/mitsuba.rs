@@ -18,8 +18,6 @@ use tempfile::TempDir;
 /// A scene by another renderer's own description.
 #[derive(Clone, Debug)]
 pub(crate) struct Peer {
-    /// Of the program that made the picture to be compared with.
-    version: u32,
     folder: PathBuf,
     /// Where pictures that had to be changed are.
     desk: Arc<TempDir>,
@@ -55,13 +53,10 @@ struct Placed {
 }
 
 impl Peer {
-    /// The scene in a file, as that version of Mitsuba understands it.
-    ///
     /// # Panics
     /// If the file is not what the notes on the data say.
-    pub(crate) fn read(file: &Path, version: u32) -> Self {
+    pub(crate) fn read(file: &Path) -> Self {
         let mut peer = Self {
-            version,
             folder: file.parent().expect("a folder").to_owned(),
             desk: Arc::new(tempfile::tempdir().expect("a folder")),
             defaults: BTreeMap::new(),
@@ -234,8 +229,8 @@ impl Peer {
                 format!("type = \"environment\"\nradiance = {radiance}\n")
             }
             "envmap" => {
-                let [file, turn] = self.sky(&self.found(property(node, "filename").expect("a file")));
-                format!("type = \"environment\"\nfile = {file}\nrotate_deg = {turn}\n")
+                format!("type = \"environment\"
+{}", self.sky(&self.found(property(node, "filename").expect("a file"))))
             }
             "point" => {
                 let place = child_named(node, "position").expect("a place");
@@ -261,11 +256,11 @@ impl Peer {
         self.lights.push(light);
     }
 
-    /// A picture of the sky that we read as Mitsuba reads that one, and the angle that it is turned by.
+    /// A picture of the sky that we read as Mitsuba 2 reads that one, turned by half a turn.
     ///
-    /// Theirs has its first column at -z. Rows are at k / (height - 1) of the way down, where ours are in the middles of cells; so are,
-    /// from version 3 on, columns at k / width.
-    fn sky(&self, file: &Path) -> [String; 2] {
+    /// Theirs has its first column at -z, and its rows at k / (height - 1) of the way down, where ours are in the middles of cells. From
+    /// version 3 on columns are at k / width, but the references are older, or made as of old.
+    fn sky(&self, file: &Path) -> String {
         const FINER: u32 = 8;
         let image = specula::image::read(file).expect("a picture").image;
         let (width, last) = (image.width(), image.height() - 1);
@@ -287,8 +282,9 @@ impl Peer {
         let picture = exr::Picture { full, window, channels, attributes: Vec::new(), warnings: Vec::new() };
         let path = self.desk.path().join(file.with_extension("exr").file_name().expect("a name"));
         exr::write(&path, picture).expect("written");
-        let turn = if self.version < 3 { 180.0 } else { 180.0 + 180.0 / f64::from(width) };
-        [format!("{path:?}"), format!("{turn:?}")]
+        format!("file = {path:?}
+rotate_deg = 180.0
+")
     }
 
     /// The same with that light instead of all its own, in our words.

@@ -72,6 +72,14 @@ impl Shot {
         Self { size: [width, height], mean, variance }
     }
 
+    /// The same, trusted to this part of each value only.
+    pub(crate) fn doubted(mut self, part: f64) -> Self {
+        for (variance, mean) in self.variance.iter_mut().flatten().zip(self.mean.iter().flatten()) {
+            *variance += (part * mean).powi(2);
+        }
+        self
+    }
+
     /// The same without some pixels.
     pub(crate) fn without(&self, dropped: &[bool]) -> Self {
         let kept = |values: &[[f64; 3]]| -> Vec<[f64; 3]> {
@@ -114,14 +122,18 @@ pub(crate) struct Verdict {
 pub(crate) const SIGNIFICANCE: f64 = 0.01;
 
 impl Verdict {
-    /// Of a picture against a reference, all channels together.
+    /// Of a picture against a reference, all channels together, where either shows anything.
     pub(crate) fn of(found: &Shot, reference: &Shot) -> Self {
         assert_eq!(found.mean.len(), reference.mean.len(), "pictures of the same size");
-        let count = found.mean.len() * 3;
+        let is_lit = |&pixel: &usize| {
+            [found, reference].iter().any(|shot| shot.mean[pixel].iter().any(|value| value.abs() > 1e-12))
+        };
+        let pixels: Vec<usize> = (0..found.mean.len()).filter(is_lit).collect();
+        let count = pixels.len() * 3;
         let (mut worst, mut square, mut beyond) = (0.0_f64, 0.0, 0);
         let (mut sum, mut total, mut noise, mut squares) = (0.0, 0.0, 0.0, 0.0);
         let limit = limit(count);
-        for pixel in 0..found.mean.len() {
+        for pixel in pixels {
             // Channels of a pixel share their noise: the variance of their sum is at most the square of the sum of deviations.
             let mut deviations = 0.0;
             for channel in 0..3 {
