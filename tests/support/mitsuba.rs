@@ -229,8 +229,11 @@ impl Peer {
                 format!("type = \"environment\"\nradiance = {radiance}\n")
             }
             "envmap" => {
-                format!("type = \"environment\"
-{}", self.sky(&self.found(property(node, "filename").expect("a file"))))
+                format!(
+                    "type = \"environment\"
+{}",
+                    self.sky(&self.found(property(node, "filename").expect("a file")))
+                )
             }
             "point" => {
                 let place = child_named(node, "position").expect("a place");
@@ -282,9 +285,11 @@ impl Peer {
         let picture = exr::Picture { full, window, channels, attributes: Vec::new(), warnings: Vec::new() };
         let path = self.desk.path().join(file.with_extension("exr").file_name().expect("a name"));
         exr::write(&path, picture).expect("written");
-        format!("file = {path:?}
+        format!(
+            "file = {path:?}
 rotate_deg = 180.0
-")
+"
+        )
     }
 
     /// The same with that light instead of all its own, in our words.
