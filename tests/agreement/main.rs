@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! cargo test --test agreement                          # minutes of CPU, all that is asserted
-//! SPECULA_RECORD=1 cargo test --release --test agreement  # sixteen times the samples, and the tables of
-//!                                                         # benches/record/peers_agreement.md
+//! SPECULA_RECORD=1 cargo test --test agreement  # four times the samples, and the tables of
+//!                                               # benches/record/peers_agreement.md
 //! ```
 //!
 //! Numbers are the same in every run: a test that passes once passes always. Significance is stated where a limit is chosen.

@@ -6,7 +6,7 @@ use crate::data_folder::folder;
 use crate::mitsuba::Peer;
 use crate::scene::scene_of;
 use crate::shots::{Shot, Verdict};
-use crate::table::{HEAD, row, samples, tell};
+use crate::table::{HEAD, dump, row, samples, tell};
 use specula::film::{Aov, Layout};
 use specula::render::{Settings, Silent, render};
 use std::fmt::Write as _;
@@ -18,7 +18,10 @@ const STRATEGIES: [&str; 3] = ["light", "bsdf", "both"];
 
 fn plates() -> Option<(PathBuf, Peer)> {
     let folder = folder("scenes/veach-mis")?;
-    let peer = Peer::read(&folder.join("scene.xml"));
+    let mut peer = Peer::read(&folder.join("scene.xml"));
+    // The picture shows no light that plates and floor throw on each other, whatever the description says; and where strategies are
+    // compared it would be the same for all.
+    peer.max_depth = 2;
     Some((folder, peer))
 }
 
@@ -40,13 +43,20 @@ fn strategies_agree_with_each_other_and_with_tungsten() {
     for (direct, (spp, shot)) in STRATEGIES.into_iter().zip(&shots) {
         // Without the lights themselves, whose edges filters treat differently.
         let dropped: Vec<bool> = reference.blocks(10).mean.iter().map(|pixel| pixel[1] > 3.0).collect();
-        let verdict =
-            Verdict::of(&shot.blocks(10).without(&dropped), &reference.blocks(10).without(&dropped));
+        dump(&format!("plates_{direct}"), shot, &reference);
+        let rare = if direct == "bsdf" {
+            "; the small lamp is met too seldom for its noise to be known"
+        } else {
+            ""
+        };
+        // Their noise is not known.
+        let truth = reference.blocks(10).without(&dropped).doubted(5e-3);
+        let verdict = Verdict::of(&shot.blocks(10).without(&dropped), &truth);
         table += &row(
             "veach-mis",
             *spp,
             &verdict,
-            &format!("{direct}, against Tungsten; blocks of 80 by 80 pixels of the reference"),
+            &format!("{direct}, against Tungsten's direct light; blocks of 80 by 80{rare}"),
         );
         if verdict.bias.abs() > 5e-3 && verdict.bias_deviations > 3.5 {
             failed.push(format!("{direct}: {verdict:?}"));
@@ -118,9 +128,7 @@ fn both_strategies_together_are_never_much_worse_than_the_better_one() {
         let light = format!(
             "type = \"sphere\"\ncenter = [0.0, 6.5, 0.0]\nradius = {radius:?}\nradiance = {radiance:?}\n"
         );
-        let mut peer = peer.lit_by(&light);
-        // Light that plates throw on each other is the same for all and would hide what is compared.
-        peer.max_depth = 2;
+        let peer = peer.lit_by(&light);
         for (column, direct) in STRATEGIES.into_iter().enumerate() {
             let shot = Shot::of(&scene_of(&peer.scene(&settings(direct, spp), SIZE)));
             for (plate, cells) in found[row].iter_mut().enumerate() {

@@ -34,7 +34,7 @@ fn by_distance(found: &Shot, reference: &Shot) -> [usize; 4] {
     counts
 }
 
-/// Loosely: three coats are smooth instead of rough, and the floor is another material in the description than in the picture.
+/// Loosely: the steps' coats are smooth instead of rough, and the description has another floor than the picture.
 #[test]
 fn the_staircase_is_nearly_that_of_tungsten() {
     let Some(folder) = folder("scenes/staircase2") else { return };
@@ -53,9 +53,12 @@ fn the_staircase_is_nearly_that_of_tungsten() {
         counts[1],
         counts[2],
         counts[3],
-        peer.replaced.join("; ")
+        peer.remarks()
     );
     tell("Staircase", &(HEAD.to_owned() + &row("staircase2", spp, &verdict, &remarks)));
+    // Smooth coats are the greatest difference, at the steps.
+    assert!(verdict.bias.abs() < 0.02, "{verdict:?}");
+    assert!(counts[0] > 200 && counts[3] < 6, "{counts:?}");
 }
 
 /// Loosely: our scene files have no sky with a sun. Light adds up, so the picture is compared with the best sum, per channel, of one lit by
@@ -64,7 +67,7 @@ fn the_staircase_is_nearly_that_of_tungsten() {
 fn the_dining_room_is_nearly_that_of_tungsten() {
     let Some(folder) = folder("scenes/dining-room") else { return };
     let peer = Peer::read(&folder.join("scene.xml"));
-    let spp = samples(32);
+    let spp = samples(64);
     let settings = format!("integrator = \"path\"\nsampler = \"sobol\"\nspp = {spp}");
     // Seen from where light goes, the direction of the file is that towards the sun.
     let lights = [
@@ -73,9 +76,10 @@ fn the_dining_room_is_nearly_that_of_tungsten() {
     ];
     let [sky, sun] = lights.map(|light| Shot::of(&scene_of(&peer.lit_by(light).scene(&settings, [80, 45]))));
     let reference = Shot::read(&folder.join("TungstenRender.exr"), None).blocks(16);
-    let fitted = fit(&sky, &sun, &reference);
-    dump("dining-room", &fitted, &reference);
-    let [found, reference] = [fitted, reference].map(|shot| shot.blocks(5));
+    // Without what the window shows.
+    let dropped: Vec<bool> = sky.blocks(5).mean.iter().map(|pixel| pixel[1] > 0.3).collect();
+    let [sky, sun, reference] = [sky, sun, reference].map(|shot| shot.blocks(5).without(&dropped));
+    let found = fit(&sky, &sun, &reference);
     let counts = by_distance(&found, &reference);
     let verdict = Verdict::of(&found, &reference.doubted(0.1));
     let remarks = format!(
@@ -84,9 +88,11 @@ fn the_dining_room_is_nearly_that_of_tungsten() {
         counts[1],
         counts[2],
         counts[3],
-        peer.replaced.join("; ")
+        peer.remarks()
     );
     tell("Dining room", &(HEAD.to_owned() + &row("dining-room", spp, &verdict, &remarks)));
+    let all: usize = counts.iter().sum();
+    assert!(counts[3] * 2 < all, "where the sun falls is where it fell: {counts:?}");
 }
 
 /// The sum of two pictures that comes nearest to a third, by least squares of relative differences, channel by channel.

@@ -13,9 +13,9 @@ pub(crate) fn is_recording() -> bool {
     std::env::var_os("SPECULA_RECORD").is_some()
 }
 
-/// So many samples, and sixteen times as many for the record.
+/// So many samples, and four times as many for the record.
 pub(crate) fn samples(spp: u32) -> u32 {
-    if is_recording() { spp * 16 } else { spp }
+    if is_recording() { spp * 4 } else { spp }
 }
 
 /// A table of pictures against references.

@@ -1,6 +1,6 @@
 //! Scenes of Mitsuba (XML of 0.5 to 3) in the words of our scene files, as far as these have words for them.
 //!
-//! What has none is replaced by the nearest there is and told ([`Peer::replaced`]); the shapes concerned can be drawn alone, so
+//! What has none is replaced by the nearest there is and told ([`Peer::remarks`]); the shapes concerned can be drawn alone, so
 //! that a comparison leaves out their pixels.
 
 #![allow(dead_code, reason = "each test program uses a part")]
@@ -32,7 +32,7 @@ pub(crate) struct Peer {
     shapes: Vec<Placed>,
     lights: Vec<String>,
     /// What our scene files have no words for, and what was put in its place.
-    pub(crate) replaced: Vec<String>,
+    replaced: Vec<String>,
 }
 
 /// A material.
@@ -252,7 +252,7 @@ impl Peer {
                 )
             }
             other => {
-                self.replaced.push(format!("light `{other}`: left out"));
+                self.replaced.push(format!("`{other}` left out"));
                 return;
             }
         };
@@ -290,6 +290,14 @@ impl Peer {
 rotate_deg = 180.0
 "
         )
+    }
+
+    /// What was replaced, each kind once.
+    pub(crate) fn remarks(&self) -> String {
+        let mut kinds = self.replaced.clone();
+        kinds.sort();
+        kinds.dedup();
+        kinds.join(", ")
     }
 
     /// The same with that light instead of all its own, in our words.
@@ -352,9 +360,8 @@ rotate_deg = 180.0
                 surface.toml = format!("type = \"glazed\"\nior = {ior:?}\nreflectance = {base}\n");
                 // Ours has all bounces within the coat, as theirs if asked for.
                 surface.replaced = kind != "plastic" || base.contains("file");
-                let name = node.attribute("id").unwrap_or("one");
                 if surface.replaced {
-                    self.replaced.push(format!("`{kind}` ({name}): glazed, that is with a smooth coat"));
+                    self.replaced.push(format!("`{kind}` as `glazed`, with a smooth coat"));
                 } else if property(node, "nonlinear") != Some("true") {
                     // Without the change of colour by bounces within: the base that reflects as much after all of them.
                     surface.toml = format!(
