@@ -221,7 +221,6 @@ fn albedo(scene: &Scene, angle: f64) -> f64 {
 }
 
 #[test]
-#[expect(clippy::print_stdout, reason = "tells what was found")]
 fn plates_show_their_albedo() {
     const SPP: u32 = 64;
     let folder = tempfile::tempdir().expect("a folder");
@@ -314,7 +313,6 @@ fn polished_glass_is_not_seen() {
 
 /// Nobody knows the number, but it is the same for all.
 #[test]
-#[expect(clippy::print_stdout, reason = "tells what was found")]
 fn frosted_glass_loses_the_same_in_all_ways() {
     let folder = tempfile::tempdir().expect("a folder");
     for (material, least) in [

@@ -74,7 +74,7 @@ const SCENES: [(&str, &[Needs]); 8] = [
     ("instances_in_motion", &[]),
     ("depth_of_field", &[]),
     ("many_lights", &[Needs::LargeLights]),
-    ("environment", &[]),
+    ("environment", &[Needs::LargeLights]),
     ("shining_mesh", &[Needs::OneBounce]),
 ];
 
