@@ -228,6 +228,20 @@ impl MeshArea {
         Self { paint: Some(Paint { uvs, radiance }), ..self }
     }
 
+    /// The same triangles, each shining on the side that the normals of its corners point to, where it has some: vertex normals
+    /// are more often right than the winding, as hits have it.
+    #[must_use]
+    pub fn facing(mut self, normals: impl Fn(u32) -> Option<[glam::Vec3; 3]>) -> Self {
+        for (triangle, rows) in (0..).zip(self.rows.chunks_exact_mut(ROWS as usize)) {
+            let own = glam::Vec3::from(rows[3]);
+            let turned = |corners: [glam::Vec3; 3]| corners.iter().sum::<glam::Vec3>().dot(own) < 0.0;
+            if normals(triangle).is_some_and(turned) {
+                rows[3] = (-own).to_array();
+            }
+        }
+        self
+    }
+
     #[inline(always)]
     fn vector<I: IntLanes>(&self, first: I, k: u32) -> Vec3<I::F> {
         let [x, y, z] = first.isa().gather_rows(&self.rows, Wrapping::<u32>::wrapping_add(first, k));

@@ -372,6 +372,8 @@ record! {
         fresnel: Fresnel = Fresnel::Exact;
         /// How light on its way to a surface passes through glass.
         glass_shadows: GlassShadows = GlassShadows::Straight;
+        /// Who finds light that comes straight from lights, under `path`: for comparing strategies.
+        direct: Direct = Direct::Both;
         /// Another seed gives another, equally valid noise.
         seed: u64 = 0;
     }
@@ -502,6 +504,18 @@ choice! {
         "modified" => Modified,
         /// (e + 2) / (2 pi) over the greater cosine: a mirror where it is sharp.
         "max_cosine" => MaxCosine,
+    }
+}
+
+choice! {
+    /// Who finds light that comes straight from lights. The picture is the same, its noise is not.
+    pub enum Direct {
+        /// Asking lights and following lobes, each with the share that it is the better at.
+        "both" => Both,
+        /// Asking lights alone, but for what only lobes find: mirrors, and an environment that is the same all around.
+        "light" => Light,
+        /// Following lobes alone, but for lights without size, which they cannot find.
+        "bsdf" => Bsdf,
     }
 }
 

@@ -119,7 +119,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             choice,
             direction: sampler.get_2d(Dim::LobeDirection, vertex),
             // Where media hide surfaces, paths get to lights that rays towards them do not reach.
-            last: depth + 1 == around.max_depth && !around.media,
+            last: depth + 1 == around.max_depth && !around.media && !around.lights.are_left_to_lobes(),
         };
         let mut found = scatter(isa, (around.scene, around.surfaces), &met, beyond, &question);
         let at = Here { scene: around.scene, packet, lanes: &lanes, met: &met, shading: &shading };
@@ -195,7 +195,7 @@ fn escape<S: Isa>(isa: S, around: &Surroundings<'_>, slots: &mut Slots, lanes: &
         Some(radiance) => Rgb::splat(isa.splat(0.0), radiance),
         None => {
             let mut rows = [[0.0; WIDEST]; 3];
-            let probability = around.lights.probability(id);
+            let probability = around.lights.probability(id) * around.lights.favour();
             let whole = &around.scene.lights[id.index()];
             let mut bits = missed.bits();
             while bits != 0 {
@@ -246,7 +246,8 @@ fn shine<S: Isa, const N: usize>(
             Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };
         let asked = scene.light_id_of(placement).map_or(0.0, |id| {
             let at = Reference { p: lanes.o.extract(lane), n: d };
-            around.lights.probability(id) * scene.lights[id.index()].pdf(at, d, Some(&emitter))
+            let probability = around.lights.probability(id) * around.lights.favour();
+            probability * scene.lights[id.index()].pdf(at, d, Some(&emitter))
         });
         let Rgb { r, g, b } = emitted.scale(share(lanes.pdf.extract(lane), asked));
         [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
@@ -356,7 +357,7 @@ fn asked<S: Isa>(
     let reference = Reference { p: met.points.p, n };
     let u2 = sampler.get_2d(Dim::LightPoint(0), vertex);
     if let Some(only) = lights.only() {
-        return from_light(isa, &around.scene.lights[only.index()], 1.0, (reference, u2));
+        return from_light(isa, &around.scene.lights[only.index()], [1.0, lights.favour()], (reference, u2));
     }
     let u = sampler.get_1d(Dim::LightChoice, vertex);
     let mut chosen = [u32::MAX; WIDEST];
@@ -370,7 +371,8 @@ fn asked<S: Isa>(
         let id = chosen[bits.trailing_zeros() as usize];
         let same = Compare::<u32>::eq(ids, id);
         let (light, probability) = (&around.scene.lights[id as usize], lights.probability(LightId(id)));
-        all = Asked::select(same, from_light(isa, light, probability, (reference, u2)), all);
+        all =
+            Asked::select(same, from_light(isa, light, [probability, lights.favour()], (reference, u2)), all);
         bits &= !same.bits();
     }
     all
@@ -395,12 +397,12 @@ impl<S: Isa> Asked<S> {
 fn from_light<S: Isa>(
     isa: S,
     light: &Light,
-    probability: f32,
+    [probability, favour]: [f32; 2],
     (reference, u2): (Reference<S::F>, [S::F; 2]),
 ) -> Asked<S> {
     let LightSample { wi, p, li, pdf, valid } = ask_light(isa, light, reference, u2);
     let pdf = pdf * probability;
-    let shared_pdf = if light.is_delta() { isa.splat(f32::INFINITY) } else { pdf };
+    let shared_pdf = if light.is_delta() { isa.splat(f32::INFINITY) } else { pdf * favour };
     Asked { wi, p, li, pdf, shared_pdf, infinite: isa.splat_mask(light.is_infinite()), valid }
 }
 

@@ -87,7 +87,7 @@ impl Builder {
         transform: &[Located<Step>],
         place: &Place,
     ) {
-        let Some(loaded) = self.mesh_of_file(file, Normals::Flat) else { return };
+        let Some(loaded) = self.mesh_of_file(file, Normals::File) else { return };
         let shape = Shape::Mesh(loaded.mesh);
         let own = DAffine3::from_translation(loaded.origin);
         let map = match steps::transform(transform, |map| steps::extent_of(&shape, &(*map * own))) {
@@ -98,6 +98,7 @@ impl Builder {
         let triangles = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
         match MeshArea::new(triangles) {
             Ok(surface) => {
+                let surface = surface.facing(|i| mesh.corner_normals(i));
                 let light = Light::Mesh(Area { surface, radiance, two_sided: false });
                 let groups = mesh.group_count();
                 self.add_shining(Shape::Mesh(mesh), light, radiance, place);

@@ -289,6 +289,7 @@ impl Builder {
                 let triangles = (0..super::number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
                 let surface =
                     MeshArea::new(triangles).map_err(|error| format!("an emitting mesh: {error}"))?;
+                let surface = surface.facing(|i| mesh.corner_normals(i));
                 let surface = if texture.is_constant() {
                     surface
                 } else {
