@@ -54,9 +54,16 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
 
-    /// Samples per pixel
+    /// Samples per pixel; with --time-limit at most
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub spp: Option<String>,
+
+    /// End the picture when this time is over, such as 90, 90s, 2m or 1.5h
+    ///
+    /// By the clock, reading the scene included, writing the picture not. All pixels get the same number of samples, one in any
+    /// case, and those of --spp (or of the scene file) at most.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub time_limit: Option<String>,
 
     /// What to compute
     #[arg(long, value_name = "NAME", value_parser = Words::of(Integrator::ALL, Integrator::word))]

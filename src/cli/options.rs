@@ -6,6 +6,7 @@ pub(super) use bench::BenchOptions;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::args::{DiffArgs, RenderArgs};
 use crate::error::{Error, Place, Problem, Problems, Result};
@@ -13,6 +14,7 @@ use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
+use crate::render::Limits;
 use crate::scene::load::words::suggest;
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
@@ -28,6 +30,7 @@ pub(super) struct RenderOptions {
     pub(super) crop: Option<Window>,
     pub(super) layout: Layout,
     pub(super) threads: Option<NonZeroUsize>,
+    pub(super) limits: Limits,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
 }
@@ -57,6 +60,9 @@ impl RenderOptions {
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             layout: layout(&args.aov, &mut problems),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            limits: Limits {
+                time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
+            },
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
@@ -260,6 +266,22 @@ fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
     number
 }
 
+/// A time with its unit, seconds where there is none.
+fn time_limit(text: &str, problems: &mut Problems) -> Option<Duration> {
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let with_unit = |&(unit, seconds): &(&str, f64)| text.strip_suffix(unit).map(|rest| (rest, seconds));
+    let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
+    let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
+    let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
+    if time.is_none() {
+        problems.push(
+            on_command_line(format!("`--time-limit {text}` is not a time"))
+                .remedy("give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h"),
+        );
+    }
+    time
+}
+
 fn on_command_line(what: String) -> Problem {
     Problem::at(Place::file("command line"), what)
 }
@@ -330,6 +352,17 @@ mod tests {
         let Error::Input(problems) = error else { panic!("{error}") };
         assert_eq!(problems.0.len(), 5, "{problems}");
         assert!(problems.0.iter().all(|problem| problem.remedy.is_some()), "{problems}");
+    }
+
+    #[test]
+    fn times_have_units() {
+        let parse = |text| time_limit(text, &mut Problems::default());
+        for (text, seconds) in [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)] {
+            assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for text in ["", "s", "0", "-3", "1d", "1m30s", "nan", "inf", "1e300h"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
     }
 
     #[test]

@@ -152,6 +152,18 @@ impl Tile {
         self.weighted[range].copy_from_slice(&weighted);
     }
 
+    /// Takes over `width` pixels of another tile.
+    fn copy_row(&mut self, to: usize, other: &Self, from: usize, width: usize) {
+        let values = self.layout.len();
+        copy(&mut self.counts, to, &other.counts, from, width);
+        copy(&mut self.weights, to, &other.weights, from, width);
+        copy(&mut self.plain, to * values, &other.plain, from * values, width * values);
+        copy(&mut self.weighted, to * values, &other.weighted, from * values, width * values);
+        if !self.squares.is_empty() {
+            copy(&mut self.squares, to, &other.squares, from, width);
+        }
+    }
+
     /// The number of a sample's pixel.
     fn place(&self, sample: SampleId) -> usize {
         assert!(self.window.contains(sample.x, sample.y), "{sample:?} outside of {:?}", self.window);
@@ -209,23 +221,59 @@ impl Film {
         self.sums.counts.iter().map(|&count| u64::from(count)).sum()
     }
 
+    /// The samples of the pixel that has fewest, and of that which has most.
+    pub fn samples_of_pixels(&self) -> [u32; 2] {
+        let counts = || self.sums.counts.iter().copied();
+        [counts().min().unwrap_or(0), counts().max().unwrap_or(0)]
+    }
+
+    /// The sums of a part, for more samples to be added to them: then the sums are to the bit those of all samples added in one
+    /// go. What was dropped stays with the film.
+    ///
+    /// # Panics
+    /// If the part reaches beyond the film.
+    pub fn part(&self, window: Window) -> Tile {
+        let mut tile = Tile::new(window, self.sums.layout.clone());
+        for (here, there, width) in self.rows(window) {
+            tile.copy_row(there, &self.sums, here, width);
+        }
+        tile
+    }
+
+    /// Puts back a part to which samples have been added.
+    ///
+    /// # Panics
+    /// If the part reaches beyond the film or has another layout.
+    pub fn put(&mut self, tile: &Tile) {
+        assert_eq!(self.sums.layout, tile.layout, "layout of a tile");
+        for (here, there, width) in self.rows(tile.window) {
+            self.sums.copy_row(here, tile, there, width);
+        }
+        self.sums.non_finite.merge(&tile.non_finite);
+    }
+
+    /// Where each row of a part begins in the film and in the part, and how long it is.
+    fn rows(&self, part: Window) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+        let whole = self.sums.window;
+        assert!(
+            whole.x0 <= part.x0 && whole.y0 <= part.y0 && part.fits(whole.x1, whole.y1),
+            "tile {part:?} beyond film {whole:?}"
+        );
+        let (width, stride) = (part.width() as usize, whole.width() as usize);
+        (0..part.height() as usize).map(move |row| {
+            let here = (row + (part.y0 - whole.y0) as usize) * stride + (part.x0 - whole.x0) as usize;
+            (here, row * width, width)
+        })
+    }
+
     /// Adds the sums of a tile. Bit for bit the same in whatever order tiles come, as long as no two share a pixel.
     ///
     /// # Panics
     /// If the tile reaches beyond the film or has another layout.
     pub fn add(&mut self, tile: &Tile) {
-        let (to, from) = (self.sums.window, tile.window);
-        assert!(
-            to.x0 <= from.x0 && to.y0 <= from.y0 && from.fits(to.x1, to.y1),
-            "tile {from:?} beyond film {to:?}"
-        );
         assert_eq!(self.sums.layout, tile.layout, "layout of a tile");
         let values = tile.layout.len();
-        let (from_width, to_width) = (from.width() as usize, to.width() as usize);
-        for row in 0..from.height() as usize {
-            let source = row * from_width;
-            let target = (row + (from.y0 - to.y0) as usize) * to_width + (from.x0 - to.x0) as usize;
-            let width = from_width;
+        for (target, source, width) in self.rows(tile.window) {
             add_all(&mut self.sums.counts[target..target + width], &tile.counts[source..source + width]);
             add_all(&mut self.sums.weights[target..target + width], &tile.weights[source..source + width]);
             if !tile.squares.is_empty() {
@@ -333,6 +381,11 @@ impl Film {
         let channels = channels.collect();
         Picture { full: self.full, window: self.window(), channels, attributes, warnings: Vec::new() }
     }
+}
+
+/// Takes over `len` values, from one place to another.
+fn copy<T: Copy>(to: &mut [T], at: usize, from: &[T], start: usize, len: usize) {
+    to[at..at + len].copy_from_slice(&from[start..start + len]);
 }
 
 /// Adds each of `terms` to its sum.

@@ -6,10 +6,13 @@
 mod dispatch;
 mod eye;
 mod job;
+mod limits;
 mod query;
 mod samples;
+mod schedule;
 mod tiles;
 
-pub use dispatch::{render, render_on};
+pub use dispatch::{MOST, render, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
+pub use limits::{Ended, Limits};
 pub use query::{Chosen, query};

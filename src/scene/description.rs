@@ -331,8 +331,8 @@ record! {
         query: Option<Query>;
         /// What the integrator `view` shows.
         view: View = View::ShadingNormals;
-        /// Samples per pixel.
-        spp: u32 = 16, min(1.0), max(16_777_216.0);
+        /// Samples per pixel; absent: 16, or 65536 at most where time is to end the picture.
+        spp: Option<u32>, min(1.0), max(16_777_216.0);
         /// Longest path followed, in edges: 1 sees emission only, 2 adds direct light.
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
@@ -357,6 +357,12 @@ record! {
 }
 
 impl Render {
+    /// Samples per pixel.
+    #[must_use]
+    pub fn spp(&self) -> u32 {
+        self.spp.unwrap_or(16)
+    }
+
     /// Shadow rays to each light that has a size, at the first hits.
     #[must_use]
     pub fn light_samples(&self) -> u32 {

@@ -45,8 +45,6 @@ pub struct Path {
     sampler: SamplerKind,
     seed: u32,
     level: Level,
-    /// Whether all rays of a packet come from one pixel.
-    whole: bool,
     /// Whether rays from surface to surface are traced as packets.
     bounces_in_packets: bool,
 }
@@ -63,12 +61,9 @@ impl Path {
         (sampler, seed): (SamplerKind, u32),
         (level, bounces_in_packets): (Level, bool),
     ) -> Self {
-        let (max_depth, spp) = (scene.render.max_depth, scene.render.spp as usize);
-        // The rays of a coherent packet are traced together, and what they hit on an edge may depend on their company:
-        // never on other pixels, which may be missing from a crop.
-        let whole = spp % level.width() == 0;
+        let max_depth = scene.render.max_depth;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, whole, bounces_in_packets }
+        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets }
     }
 
     /// What paths are followed with.
@@ -77,8 +72,20 @@ impl Path {
         self.level
     }
 
-    /// Follows all samples of a batch to their ends.
-    pub fn follow<A: Accel>(&self, stage: &Stage<'_, A>, wave: &mut Wave, counters: &mut Counters) {
+    /// Camera rays of a packet.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        u32::try_from(self.level.width()).unwrap_or(1)
+    }
+
+    /// Follows all samples of a batch to their ends. `coherence` is that of the camera's rays.
+    pub fn follow<A: Accel>(
+        &self,
+        stage: &Stage<'_, A>,
+        wave: &mut Wave,
+        coherence: Coherence,
+        counters: &mut Counters,
+    ) {
         let around = Surroundings {
             scene: stage.scene,
             lights: &self.lights,
@@ -86,7 +93,7 @@ impl Path {
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,
-            coherence: if self.whole { Coherence::Coherent } else { Coherence::Incoherent },
+            coherence,
             bounces_in_packets: self.bounces_in_packets,
             media: stage.scene.has_media(),
             turns: stage.turns(),
