@@ -71,7 +71,7 @@ fn bits(film: &Film) -> Vec<Vec<u32>> {
 }
 
 fn seconds(seconds: f64) -> Limits {
-    Limits { time: Some(Duration::from_secs_f64(seconds)) }
+    Limits { time: Some(Duration::from_secs_f64(seconds)), error: None }
 }
 
 const WAYS: [(&str, &str); 5] = [

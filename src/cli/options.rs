@@ -62,6 +62,7 @@ impl RenderOptions {
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
                 time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
+                error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
             },
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
@@ -230,14 +231,19 @@ fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
 }
 
+/// All outputs that are mattes.
+const CRYPTOMATTE: &str = "cryptomatte";
+
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
-    let known = Aov::ALL.map(Aov::name);
+    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
         problems.push(on_command_line(what).remedy(suggest(name, &known)));
     }
-    Layout::with(Aov::ALL.into_iter().filter(|aov| names.iter().any(|name| name == aov.name())))
+    let means =
+        |name: &str, aov: Aov| name == aov.name() || (name == CRYPTOMATTE && aov.matte_layer().is_some());
+    Layout::with(Aov::ALL.into_iter().filter(|&aov| names.iter().any(|name| means(name, aov))))
 }
 
 fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
@@ -280,6 +286,17 @@ fn time_limit(text: &str, problems: &mut Problems) -> Option<Duration> {
         );
     }
     time
+}
+
+fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
+    let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+    if number.is_none() {
+        problems.push(
+            on_command_line(format!("`--target-error {text}` is not an error"))
+                .remedy("give a relMSE above 0, such as 0.001"),
+        );
+    }
+    number
 }
 
 fn on_command_line(what: String) -> Problem {
@@ -357,7 +374,9 @@ mod tests {
     #[test]
     fn times_have_units() {
         let parse = |text| time_limit(text, &mut Problems::default());
-        for (text, seconds) in [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)] {
+        for (text, seconds) in
+            [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)]
+        {
             assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
         }
         for text in ["", "s", "0", "-3", "1d", "1m30s", "nan", "inf", "1e300h"] {

@@ -15,7 +15,7 @@ use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
-use crate::render::{self, Ended, Limits, Phase, Rendered, Settings};
+use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
 
@@ -54,7 +54,10 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
         threads: options.threads,
         crop: options.crop,
         layout: options.layout.clone(),
-        limits: Limits { time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())) },
+        limits: Limits {
+            time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
+            ..options.limits
+        },
     }
 }
 
@@ -95,8 +98,14 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
         let why = match statistics.ended {
             Ended::Samples => "all samples were taken",
             Ended::Time => "the time was over",
+            Ended::Error => "the error is below its target",
         };
         tracing::info!("ended with {} per pixel: {why}", statistics::per_pixel(rendered));
+        if let Some(Estimate { error, bound }) = statistics.estimate {
+            tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
+        } else if options.limits.error.is_some() {
+            tracing::warn!("too few samples to estimate the error");
+        }
     }
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {

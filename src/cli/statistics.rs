@@ -6,8 +6,8 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::options::RenderOptions;
-use crate::film::SampleId;
-use crate::render::{self, Phase, Rendered};
+use crate::film::{Film, SampleId, cryptomatte};
+use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::Integrator;
 
@@ -24,7 +24,7 @@ pub(super) struct Times {
 pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec<(String, String)> {
     let settings = &scene.render;
     let statistics = &rendered.statistics;
-    let [_, most] = rendered.film.samples_of_pixels();
+    let [least, most] = rendered.film.samples_of_pixels();
     let mut entries = vec![
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("integrator", settings.integrator.word().to_owned()),
@@ -45,12 +45,35 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         ("cpu_render_s", seconds(statistics.render.cpu).to_string()),
         ("non_finite_samples", rendered.film.non_finite().count().to_string()),
     ];
+    if least < most {
+        entries.extend([("samples_min", least.to_string()), ("samples_mean", mean(rendered).to_string())]);
+    }
+    if let Some(Estimate { error, bound }) = statistics.estimate {
+        entries
+            .extend([("estimated_relmse", error.to_string()), ("estimated_relmse_bound", bound.to_string())]);
+    }
     entries.push(("query", render::query(scene).query.word().to_owned()));
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
-    entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value)).collect()
+    let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
+    entries.chain(names(&rendered.film)).collect()
+}
+
+/// What numbers in a picture are called.
+fn names(film: &Film) -> Vec<(String, String)> {
+    let mut entries = Vec::new();
+    for &aov in film.layout().aovs() {
+        let names = film.names().of(aov);
+        if let Some(layer) = aov.matte_layer() {
+            entries.extend(cryptomatte::attributes(layer, names));
+        } else if aov.is_of_ids() {
+            // Numbers count from 1.
+            entries.push((format!("specula:{}", aov.name()), json!(names).to_string()));
+        }
+    }
+    entries
 }
 
 /// Everything counted and timed.
@@ -75,6 +98,8 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
         "samples_per_pixel": { "min": least, "mean": mean(rendered), "max": most },
         "ended_by": statistics.ended.word(),
         "time_limit_s": options.limits.time.map(seconds),
+        "target_error": options.limits.error,
+        "estimated_error": statistics.estimate.map(|it| json!({ "relmse": it.error, "bound": it.bound })),
         "seed": scene.render.seed,
         "phases": {
             "load": phase(times.load),

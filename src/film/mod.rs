@@ -5,11 +5,16 @@
 //! Ernst, Stamminger, Greiner, 2006, "Filter importance sampling".
 
 mod aov;
+pub mod cryptomatte;
 mod filter;
+mod shares;
 mod statistics;
 mod sums;
+mod tile;
 
 pub use aov::{Aov, Layout};
 pub use filter::{Filter, FilterSample, FilterShape};
+pub use shares::Seen;
 pub use statistics::{NonFinite, SampleId};
-pub use sums::{Film, Precision, Tile};
+pub use sums::{Film, Names, Precision};
+pub use tile::Tile;

@@ -1,7 +1,7 @@
 //! Sums, tiles and what is made of them.
 
 use super::*;
-use crate::film::{Filter, FilterSample, FilterShape};
+use crate::film::{Filter, FilterSample, FilterShape, SampleId};
 
 /// A sample of a made-up scene: value and weight depend on pixel and index alone.
 fn sample(id: SampleId) -> (f32, [f32; 4]) {

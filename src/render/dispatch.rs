@@ -134,7 +134,8 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
         }
         description::Integrator::Path => {
             let level = if way == Query::Single { Level::Scalar(Scalar) } else { level() };
-            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet));
+            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet))
+                .splitting(plan.layout.splits());
             let size = if way == Query::Single { 1 } else { BATCH };
             timed(plan, accel, &InBatches { path: &path, size })
         }
@@ -168,12 +169,20 @@ fn with_integrator<A: Accel, I: Integrator>(
 
 fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Rendered> {
     let (traced, render) = Phase::of(|| tiles::trace(plan, accel, engine));
-    let Traced { film, counters, ended } = traced?;
+    let Traced { film, counters, ended, estimate } = traced?;
     let samples = film.samples();
     let hierarchy_bytes = accel.bytes();
     Ok(Rendered {
         film,
-        statistics: Statistics { counters, samples, ended, render, hierarchy_bytes, ..Statistics::default() },
+        statistics: Statistics {
+            counters,
+            samples,
+            ended,
+            estimate,
+            render,
+            hierarchy_bytes,
+            ..Statistics::default()
+        },
     })
 }
 

@@ -3,7 +3,7 @@
 use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::render::{Ended, Limits};
+use crate::render::{Ended, Estimate, Limits};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
@@ -61,7 +61,7 @@ impl Phase {
 }
 
 /// How a rendering went.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Rays and cuts.
     pub counters: Counters,
@@ -69,6 +69,8 @@ pub struct Statistics {
     pub samples: u64,
     /// What ended the picture.
     pub ended: Ended,
+    /// How far the picture is from an endless one; where that was to end it and could be estimated.
+    pub estimate: Option<Estimate>,
     /// Building the hierarchy.
     pub build: Phase,
     /// Tracing.

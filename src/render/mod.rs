@@ -3,10 +3,14 @@
 //! A picture depends on scene, pixel and sample index only, not on threads, tiles or crops: each pixel has one owner and
 //! its samples one order.
 
+mod adaptive;
+mod allocation;
+mod course;
 mod dispatch;
 mod eye;
 mod job;
 mod limits;
+mod noise;
 mod query;
 mod samples;
 mod schedule;
@@ -14,5 +18,5 @@ mod tiles;
 
 pub use dispatch::{MOST, render, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
-pub use limits::{Ended, Limits};
+pub use limits::{Ended, Estimate, Limits};
 pub use query::{Chosen, query};

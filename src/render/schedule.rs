@@ -26,7 +26,7 @@ pub(super) struct Pass {
 pub(super) const PACKET: u32 = 16;
 
 /// The part of the time that a pass takes at most, if that is a sample.
-const PART: f64 = 1.0 / 32.0;
+pub(super) const PART: f64 = 1.0 / 32.0;
 
 /// Passes for a picture.
 #[derive(Debug)]
@@ -59,6 +59,12 @@ impl Schedule {
         }
     }
 
+    /// Seconds that are left, and how many there were in all; where time counts.
+    pub(super) fn left(&self) -> Option<[f64; 2]> {
+        let (start, limit) = self.clock?;
+        Some([limit.saturating_sub(start.elapsed()), limit].map(|time| time.as_secs_f64()))
+    }
+
     /// What ended the picture, once there is no pass left.
     pub(super) fn ended(&self) -> Ended {
         self.ended
@@ -74,11 +80,10 @@ impl Schedule {
 
     /// The next pass; `None` when it is enough. A pass that begins at sample 0 begins anew: what there was is thrown away.
     pub(super) fn next(&mut self) -> Option<Pass> {
-        let Some((start, limit)) = self.clock else {
+        let Some([left, limit]) = self.left() else {
             return (self.taken < self.most).then(|| self.all(self.most, true));
         };
         let Some(pace) = self.pace else { return Some(self.all(1, false)) };
-        let left = limit.saturating_sub(start.elapsed()).as_secs_f64();
         if self.taken == 1 && !self.packets && self.is_trial(pace, limit, left) {
             self.packets = true;
             self.taken = 0;
@@ -86,7 +91,7 @@ impl Schedule {
         if self.taken >= self.most {
             return None;
         }
-        let fits = whole((left / pace).min(limit.as_secs_f64() * PART / pace));
+        let fits = whole((left / pace).min(limit * PART / pace));
         let step = if self.packets { fits / PACKET * PACKET } else { fits.max(u32::from(left >= pace)) };
         if step == 0 && self.taken > 0 {
             self.ended = Ended::Time;
@@ -101,9 +106,9 @@ impl Schedule {
     }
 
     /// Whether the one sample so far was to find out the pace: there is time for many packets.
-    fn is_trial(&self, pace: f64, limit: Duration, left: f64) -> bool {
+    fn is_trial(&self, pace: f64, limit: f64, left: f64) -> bool {
         let packet = pace * f64::from(PACKET);
-        self.most.is_multiple_of(PACKET) && packet <= limit.as_secs_f64() * PART && 2.0 * packet <= left
+        self.most.is_multiple_of(PACKET) && packet <= limit * PART && 2.0 * packet <= left
     }
 
     /// Notes how long a pass took.
@@ -132,7 +137,7 @@ mod tests {
     /// The passes of a picture where a sample of all pixels takes `pace` seconds and `limit` seconds are given, on a clock of its own:
     /// the start moves back as time goes by.
     fn passes(limit: f64, pace: impl Fn(u32) -> f64, most: u32) -> (Vec<Pass>, f64, Ended) {
-        let limits = Limits { time: Some(Duration::from_secs_f64(limit)) };
+        let limits = Limits { time: Some(Duration::from_secs_f64(limit)), error: None };
         let start = Instant::now();
         let mut schedule = Schedule::new(&limits, start, (most, 3));
         let (mut all, mut clock) = (Vec::new(), 0.0);

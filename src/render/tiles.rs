@@ -2,14 +2,15 @@
 
 use crate::accel::{Accel, Coherence, HitStream, RayStream};
 use crate::error::{Error, Result};
-use crate::film::{Aov, Film, Filter, Layout, SampleId, Tile};
+use crate::film::{Aov, Film, Filter, Layout, Names, SampleId, Seen, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
 use crate::integrator::{CameraRay, Counters, Deferred, Features, Integrator, Path, Radiance, Wave, Worker};
+use crate::render::course::Course;
 use crate::render::eye::Eye;
 use crate::render::samples::{Begin, CameraSamples, Cursor};
-use crate::render::schedule::{PACKET, Pass, Schedule};
-use crate::render::{Ended, Limits, Progress};
+use crate::render::schedule::{PACKET, Pass};
+use crate::render::{Ended, Estimate, Limits, Progress};
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use std::ops::Range;
@@ -45,6 +46,7 @@ pub(super) struct Traced {
     pub(super) film: Film,
     pub(super) counters: Counters,
     pub(super) ended: Ended,
+    pub(super) estimate: Option<Estimate>,
 }
 
 /// The samples of the window, on the threads of the current pool.
@@ -53,20 +55,23 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
     let full = [scene.film.width, scene.film.height];
     let eye = Eye::new(scene, accel);
     let tiles = tiles(plan.window);
-    let nothing = || (Film::new(full, plan.window, plan.layout.clone()), Counters::default());
-    let mut schedule = Schedule::new(&plan.limits, plan.start, (plan.most, tiles.len()));
+    let names = if plan.layout.has_ids() { scene.names.clone() } else { Names::default() };
+    let nothing = || {
+        let film = Film::new(full, plan.window, plan.layout.clone()).named(names.clone());
+        (film, Counters::default())
+    };
+    let mut course = Course::new(&plan.limits, plan.start, (&tiles, plan.most));
     let mut sums = nothing();
-    while let Some(pass) = schedule.next() {
+    while let Some(pass) = course.next() {
         if pass.shares.iter().any(|(_, samples)| samples.start == 0) {
             sums = nothing();
         }
         let begin = Instant::now();
-        let total = plan.window.area() as u64 * u64::from(schedule.forecast(&pass));
-        sums = take((plan, &eye, engine), (&tiles, &pass), sums, total)?;
-        schedule.passed(&pass, begin.elapsed().as_secs_f64());
+        sums = take((plan, &eye, engine), (&tiles, &pass), sums, course.forecast(&pass))?;
+        course.passed(&pass, begin.elapsed().as_secs_f64(), (&tiles, &sums.0));
     }
     let (film, counters) = sums;
-    Ok(Traced { film, counters, ended: schedule.ended() })
+    Ok(Traced { film, counters, ended: course.ended(), estimate: course.estimate() })
 }
 
 /// The samples of a pass, added to what there is; `total` samples are expected in all.
@@ -159,36 +164,49 @@ impl<A> Work<'_, A> {
         values.clear();
         let samples = (first.index..).zip(found).take(weights.len());
         if self.plain {
-            for (_, Radiance { color, alpha }) in samples {
+            for (_, Radiance { color, alpha, .. }) in samples {
                 values.extend_from_slice(&[color.r, color.g, color.b, alpha]);
             }
         } else {
+            let mut weights = weights.iter();
             samples.for_each(|(index, radiance)| {
-                self.outputs(SampleId { index, ..first }, radiance, values);
+                let id = SampleId { index, ..first };
+                let features = if self.plan.layout.has_features() { self.features(id) } else { None };
+                self.outputs(radiance, features.as_ref(), values);
+                let weight = weights.next().copied().unwrap_or(0.0);
+                if let Some(it) = features {
+                    let (object, material) = (it.object.0, it.material.0);
+                    self.tile.see(id, weight, Seen { object, material, depth: it.depth });
+                }
             });
         }
         self.tile.add_run(first, weights, values);
     }
 
     /// The values that are kept of a sample, in the order of the layout.
-    fn outputs(&self, id: SampleId, radiance: Radiance, values: &mut Vec<f32>)
-    where
-        A: Accel,
-    {
-        let layout = &self.plan.layout;
-        let features = if layout.has_features() { self.features(id) } else { None };
-        for aov in layout.aovs() {
-            let of = |value: fn(&Features) -> [f32; 3]| features.as_ref().map_or([0.0; 3], value);
+    fn outputs(&self, radiance: Radiance, features: Option<&Features>, values: &mut Vec<f32>) {
+        for aov in self.plan.layout.aovs() {
+            let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value);
             match aov {
                 Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
+                Aov::Direct => values.extend([radiance.direct.r, radiance.direct.g, radiance.direct.b]),
+                Aov::Indirect => {
+                    let rest = radiance.color - radiance.direct;
+                    values.extend([rest.r, rest.g, rest.b]);
+                }
                 Aov::Alpha => values.push(radiance.alpha),
                 Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
                 Aov::Normal => values.extend(of(|it| it.normal.to_array())),
                 Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
-                Aov::Depth => values.push(features.as_ref().map_or(0.0, |it| it.depth)),
+                Aov::Depth => values.push(features.map_or(0.0, |it| it.depth)),
                 Aov::Position => values.extend(of(|it| it.position.to_array())),
-                Aov::Uv => values.extend(features.as_ref().map_or([0.0; 2], |it| it.uv.to_array())),
-                Aov::Variance | Aov::Samples => {}
+                Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array())),
+                Aov::Variance
+                | Aov::Samples
+                | Aov::ObjectId
+                | Aov::MaterialId
+                | Aov::CryptoObject
+                | Aov::CryptoMaterial => {}
             }
         }
     }

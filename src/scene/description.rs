@@ -282,6 +282,8 @@ record! {
         exposure_ev: f32 = 0.0, unit("stops"), min(-100.0), max(100.0);
         /// How radiance beyond white is shown in the PNG preview.
         tone: Tone = Tone::Filmic;
+        /// Whether the outputs `albedo` and `normal` are of what polished surfaces show, as denoisers want them, instead of the first surface.
+        follow_polished: bool = true;
     }
 }
 
@@ -331,7 +333,7 @@ record! {
         query: Option<Query>;
         /// What the integrator `view` shows.
         view: View = View::ShadingNormals;
-        /// Samples per pixel; absent: 16, or 65536 at most where time is to end the picture.
+        /// Samples per pixel; absent: 16, or 65536 at most where time or error are to end the picture.
         spp: Option<u32>, min(1.0), max(16_777_216.0);
         /// Longest path followed, in edges: 1 sees emission only, 2 adds direct light.
         max_depth: u32 = 16, min(1.0), max(65536.0);

@@ -25,7 +25,7 @@ pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
 use crate::integrator::cone::Beam;
-use crate::integrator::{Counters, Stage};
+use crate::integrator::{Counters, DIRECT, Stage};
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
 use crate::math::lanes::{Isa, Level, Scalar};
@@ -47,6 +47,8 @@ pub struct Path {
     level: Level,
     /// Whether rays from surface to surface are traced as packets.
     bounces_in_packets: bool,
+    /// Whether direct light is told apart.
+    splits: bool,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
@@ -63,7 +65,13 @@ impl Path {
     ) -> Self {
         let max_depth = scene.render.max_depth;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets }
+        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets, splits: false }
+    }
+
+    /// The same, which tells direct light apart.
+    #[must_use]
+    pub fn splitting(self, splits: bool) -> Self {
+        Self { splits, ..self }
     }
 
     /// What paths are followed with.
@@ -95,6 +103,7 @@ impl Path {
             max_depth: self.max_depth,
             coherence,
             bounces_in_packets: self.bounces_in_packets,
+            splits: self.splits,
             media: stage.scene.has_media(),
             turns: stage.turns(),
             beam: Beam::of(stage.scene),
@@ -149,6 +158,10 @@ fn follow<A: Accel, S: Isa, const N: usize>(
         }
         wave.paths.rays.len = to;
         keep_guard(stage, wave, counters);
+        if around.splits && depth == DIRECT {
+            // Rays towards lights from here are of one edge more.
+            wave.slots.direct.clone_from(&wave.slots.sum);
+        }
         light_up::<A, N>(stage, wave, counters);
         if to == 0 {
             break;
