@@ -18,3 +18,7 @@ pub use shares::Seen;
 pub use statistics::{NonFinite, SampleId};
 pub use sums::{Film, Names, Precision};
 pub use tile::Tile;
+
+/// What keeps relMSE finite on black: added to the square of the reference. Rousselle, Knaus, Zwicker, 2011, "Adaptive
+/// sampling and reconstruction using greedy error minimization", and most since.
+pub const RELATIVE_FLOOR: f64 = 1e-2;

@@ -117,9 +117,9 @@ impl Adaptive {
             .par_iter()
             .map(|(index, samples)| {
                 let tile = &tiles[*index];
-                let (now, width) = (film.values(tile.window), tile.window.width() as usize);
+                let now = film.values(tile.window);
                 let noise =
-                    (tile.early > 0).then(|| Noise::of(&now, &tile.before, width, [tile.early, samples.end]));
+                    (tile.early > 0).then(|| Noise::of(&now, &tile.before, [tile.early, samples.end]));
                 (now, noise)
             })
             .collect();

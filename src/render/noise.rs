@@ -8,21 +8,19 @@
 //! Where it errs, and on which side:
 //! * Samples of one sequence fill each other's gaps: both parts together are better than s/n says, and the estimate is too large.
 //!   Variances of single samples would be too large by far more.
-//! * What light comes once in many samples makes single pixels bright. Divided by the square of the same pixel such
-//!   an error would seem small; so b is the pixel or the mean of the pixels around it, whichever is less. Too large at edges.
+//! * Light that comes once in many samples makes single pixels bright. Divided by the square of the same pixel such
+//!   an error would seem small; so b is what the early or what the late samples say, whichever is less. Too large by a fifth where the parts
+//!   stray by a tenth.
 //! * An estimate of few pixels that matter is itself uncertain. [`Noise::factor`] says by how much the true error may be
 //!   larger: the estimate and the error of the picture are sums of squares of as many degrees of freedom, their quotient has
 //!   Fisher's distribution.
 //! * Light that no sample has found at all is not in any estimate.
 
-use crate::measure::RELATIVE_FLOOR;
+use crate::film::RELATIVE_FLOOR;
 use std::ops::AddAssign;
 
 /// Radiance of pixels.
 pub(super) type Values = Vec<[f32; 3]>;
-
-/// Pixels to each side that are around a pixel.
-const AROUND: usize = 2;
 
 /// The quantile of the normal distribution that 95 % are below.
 const ONE_SIDED_95: f64 = 1.645;
@@ -39,18 +37,17 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// Of a tile of rows of `width` pixels: what they are now, with `taken` samples, and what they were with the first `early`.
-    pub(super) fn of(now: &Values, before: &Values, width: usize, [early, taken]: [u32; 2]) -> Self {
-        let scale = f64::from(early) / f64::from(taken - early);
+    /// Of pixels: what they are now, with `taken` samples, and what they were with the first `early`.
+    pub(super) fn of(now: &Values, before: &Values, [early, taken]: [u32; 2]) -> Self {
+        let [early, taken] = [early, taken].map(f64::from);
+        let late = taken - early;
         let mut noise = Self::default();
-        for (pixel, (a, h)) in now.iter().zip(before).enumerate() {
-            let around = around(now, width, pixel);
+        for (a, h) in now.iter().zip(before) {
             let mut error = 0.0;
-            for channel in 0..3 {
-                let difference = f64::from(a[channel]) - f64::from(h[channel]);
-                let b =
-                    f64::from(a[channel]).abs().min(around.map_or(f64::INFINITY, |mean| mean[channel].abs()));
-                error += difference * difference * scale / (b * b + RELATIVE_FLOOR) / 3.0;
+            for (a, h) in a.iter().zip(h).map(|(&a, &h)| (f64::from(a), f64::from(h))) {
+                let of_late = (taken * a - early * h) / late;
+                let b = h.abs().min(of_late.abs());
+                error += (a - h) * (a - h) * early / late / (b * b + RELATIVE_FLOOR) / 3.0;
             }
             noise += Self { pixels: 1.0, sum: error, squares: error * error };
         }
@@ -92,23 +89,6 @@ impl AddAssign for Noise {
     }
 }
 
-/// The mean of the pixels around one, without itself; `None` where it is alone.
-fn around(values: &Values, width: usize, pixel: usize) -> Option<[f64; 3]> {
-    let (x, y, height) = (pixel % width, pixel / width, values.len() / width);
-    let range = |at: usize, end: usize| at.saturating_sub(AROUND)..(at + AROUND + 1).min(end);
-    let (mut sum, mut count) = ([0.0; 3], 0_u32);
-    for row in range(y, height) {
-        for column in range(x, width) {
-            let other = row * width + column;
-            if other != pixel {
-                count += 1;
-                sum.iter_mut().zip(values[other]).for_each(|(sum, value)| *sum += f64::from(value));
-            }
-        }
-    }
-    (count > 0).then(|| sum.map(|sum| sum / f64::from(count)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -126,15 +106,15 @@ mod tests {
     fn parts_of_any_size_tell_the_same_error() {
         // A gray of 1 with independent samples of variance s: the error is s / n / 1.01.
         let pixels = 64 * 64;
-        for [early, taken] in [[16, 32], [32, 48], [32, 33], [1, 2]] {
+        for [early, taken] in [[16, 32], [32, 48], [32, 40], [8, 16]] {
             let mean =
                 |pixel: u32, n: u32| 1.0 + (0..n).map(|i| random(pixel * 64 + i)).sum::<f32>() / n as f32;
             let values = |n: u32| -> Values { (0..pixels).map(|pixel| [mean(pixel, n); 3]).collect() };
-            let noise = Noise::of(&values(taken), &values(early), 64, [early, taken]);
+            let noise = Noise::of(&values(taken), &values(early), [early, taken]);
             let expected = 1.0 / 12.0 / f64::from(taken) / 1.01;
             let ratio = noise.mean() / expected;
-            // Spread of the estimate: sqrt(2 / pixels) = 2.2 %; the floor and the smaller neighbour add what few samples make of 1 / b^2.
-            assert!((0.9..1.35).contains(&ratio), "{early} of {taken}: {ratio}");
+            // Spread of the estimate: sqrt(2 / pixels) = 2.2 %; the smaller part adds 1.6 times the distance of both, on average.
+            assert!((0.95..1.35).contains(&ratio), "{early} of {taken}: {ratio}");
             assert!((1.02..1.08).contains(&noise.factor()), "{early} of {taken}: {}", noise.factor());
         }
     }
@@ -153,11 +133,17 @@ mod tests {
 
     #[test]
     fn a_lone_bright_pixel_does_not_hide_its_error() {
-        let mut now: Values = vec![[0.0; 3]; 256];
-        let before = now.clone();
-        now[100] = [50.0; 3];
-        let noise = Noise::of(&now, &before, 16, [16, 32]);
-        assert!(noise.mean() > 2500.0 / 0.011 / 256.0, "{}", noise.mean());
-        assert!(Noise::of(&vec![[50.0; 3]], &vec![[49.0; 3]], 1, [16, 32]).mean() < 1e-3, "alone");
+        let dark: Values = vec![[0.0; 3]; 256];
+        let bright = |pixel: usize, value: f32| {
+            let mut values = dark.clone();
+            values[pixel] = [value; 3];
+            values
+        };
+        // One sample of 16 * 50, among the late ones and among the early ones.
+        let late = Noise::of(&bright(100, 25.0), &dark, [16, 32]);
+        let early = Noise::of(&bright(100, 25.0), &bright(100, 50.0), [16, 32]);
+        assert!((late.mean() / (625.0 / 0.01 / 256.0) - 1.0).abs() < 1e-6, "{}", late.mean());
+        assert!((early.mean() / late.mean() - 1.0).abs() < 1e-6, "{}", early.mean());
+        assert!(Noise::of(&bright(1, 50.0), &bright(1, 49.0), [16, 32]).mean() < 1e-5, "twice the same");
     }
 }
