@@ -37,7 +37,7 @@ fn main() -> Result<()> {
         let Some(scene) = place()? else { continue };
         let Chosen { query: chosen, .. } = query(&scene);
         let accel = EmbreeAccel::build(&scene.world, &places::embree()).expect("Embree builds");
-        let samples = scene.film.width as usize * scene.film.height as usize * scene.render.spp as usize;
+        let samples = scene.film.width as usize * scene.film.height as usize * scene.render.spp() as usize;
         let scene = RefCell::new(scene);
         let pass = |query| {
             scene.borrow_mut().render.query = Some(query);

@@ -8,7 +8,7 @@ mod scene;
 use desk::Desk;
 use scene::scene_of;
 use specula::film::{Aov, Film, Layout};
-use specula::image;
+use specula::image::{self, exr};
 use specula::render::{Settings, Silent, render};
 
 /// A white ball before a red wall, above a mirror.
@@ -178,4 +178,210 @@ fn the_command_line_asks_for_outputs_by_name() {
     let (status, _, said) = desk.run(&["render", "a.toml", "-o", "b.exr", "--aov", "depht"]);
     assert!(status == 2 && said.contains("depht") && said.contains("depth"), "{status}: {said}");
     assert!(!desk.path("b.exr").exists(), "nothing was written");
+}
+
+/// The channels of an output as bits.
+fn bits(film: &Film, aov: Aov) -> Vec<Vec<u32>> {
+    let channels = film.channels(aov).expect("kept");
+    channels.iter().map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
+}
+
+fn mean(film: &Film, aov: Aov) -> f64 {
+    let channels = film.channels(aov).expect("kept");
+    channels.iter().flatten().map(|&value| f64::from(value)).sum::<f64>() / (3.0 * 1024.0)
+}
+
+#[test]
+fn direct_and_indirect_light_make_the_picture() {
+    let outputs = [Aov::Direct, Aov::Indirect];
+    for (integrator, query) in [
+        ("path", "stream"),
+        ("path", "single"),
+        ("path", "packet"),
+        ("whitted", "stream"),
+        ("distribution", "single"),
+    ] {
+        let settings = |depth: u32| {
+            format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nmax_depth = {depth}\nspp = 16")
+        };
+        let name = format!("{integrator}, {query}");
+        let deep = film(&still(&settings(6)), &outputs);
+        let plain = film(&still(&settings(6)), &[]);
+        assert_eq!(bits(&deep, Aov::Beauty), bits(&plain, Aov::Beauty), "{name}: nothing else changes");
+        let parts = [Aov::Beauty, Aov::Direct, Aov::Indirect].map(|aov| deep.channels(aov).expect("kept"));
+        for (channel, sums) in parts[0].iter().enumerate() {
+            for (pixel, &sum) in sums.iter().enumerate() {
+                let (direct, indirect) = (parts[1][channel][pixel], parts[2][channel][pixel]);
+                let error = (direct + indirect - sum).abs();
+                assert!(error <= 1e-5 * (sum + direct), "{name}, {pixel}: {direct} + {indirect} = {sum}");
+            }
+        }
+        // What comes by two edges does not depend on longer ways.
+        let shorter = film(&still(&settings(3)), &outputs);
+        assert_eq!(bits(&deep, Aov::Direct), bits(&shorter, Aov::Direct), "{name}: direct");
+        assert!(
+            mean(&deep, Aov::Indirect) > 0.02 * mean(&deep, Aov::Beauty),
+            "{name}: the mirror shows the wall"
+        );
+        // It is what a picture of two edges shows: the same samples in a tree; paths take the last edge by another way.
+        let direct = film(&still(&settings(2)), &outputs);
+        assert!(mean(&direct, Aov::Indirect).abs() < 1e-12, "{name}: none by two edges");
+        assert_eq!(bits(&direct, Aov::Direct), bits(&direct, Aov::Beauty), "{name}: all by two edges");
+        if integrator == "path" {
+            let [a, b] = [&deep, &direct].map(|film| mean(film, Aov::Direct));
+            assert!((a / b - 1.0).abs() < 0.02, "{name}: {a} for {b}");
+        } else {
+            assert_eq!(bits(&deep, Aov::Direct), bits(&direct, Aov::Beauty), "{name}: two edges");
+        }
+    }
+}
+
+const IDS: [Aov; 4] = [Aov::ObjectId, Aov::MaterialId, Aov::CryptoObject, Aov::CryptoMaterial];
+
+/// The same still, its ball with a name, and a second one of the same material behind glass.
+fn named(filter: &str, render: &str) -> String {
+    let text = still(render).replace("filter = \"box\"", &format!("filter = \"{filter}\""));
+    let ball = "type = \"sphere\"\n        center = [0.0, 1.0, 0.0]";
+    assert!(text.contains(ball), "the ball");
+    text.replace(ball, &format!("name = \"ball\"\n        {ball}"))
+}
+
+#[test]
+fn numbers_of_things_are_of_the_nearest() {
+    let film = film(&named("box", "integrator = \"path\"\nspp = 16"), &IDS);
+    let names = film.names();
+    assert_eq!(names.objects, ["ball", "shape_1", "shape_2", "light_0"], "objects");
+    assert_eq!(names.materials[..3], ["white", "red", "mirror"], "materials");
+    assert_eq!(at(&film, Aov::ObjectId, [16, 16]), [1.0], "the ball");
+    assert_eq!(at(&film, Aov::MaterialId, [16, 16]), [1.0], "white");
+    assert_eq!(at(&film, Aov::ObjectId, [16, 25]), [3.0], "the mirror, not what it shows");
+    assert_eq!(at(&film, Aov::ObjectId, [0, 2]), [0.0], "nothing");
+    // Where the ball's edge is before the wall, its number wins, however little it covers.
+    let mattes = film.channels(Aov::CryptoObject).expect("kept");
+    let ids = film.channels(Aov::ObjectId).expect("kept").remove(0);
+    let ball = specula::film::cryptomatte::hash("ball");
+    let covers = |pixel: usize| (0..6).any(|rank| mattes[2 * rank][pixel].to_bits() == ball.to_bits());
+    for (pixel, id) in ids.iter().enumerate() {
+        assert_eq!(id.to_bits() == 1.0_f32.to_bits(), covers(pixel), "pixel {pixel}");
+    }
+}
+
+#[test]
+fn mattes_cut_out_what_alone_has_that_coverage() {
+    for filter in ["box", "mitchell"] {
+        for (integrator, query) in [("path", "stream"), ("whitted", "single")] {
+            let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nspp = 48");
+            let film = film(&named(filter, &settings), &IDS);
+            let alone = named(filter, &settings);
+            let (head, rest) = alone.split_once("[[shapes]]").expect("shapes");
+            let (ball, _) = rest.split_once("[[shapes]]").expect("more shapes");
+            let alone = self::film(&format!("{head}[[shapes]]{ball}"), &[]);
+            let alpha = alone.channels(Aov::Alpha).expect("kept").remove(0);
+            let whole = film.channels(Aov::Alpha).expect("kept").remove(0);
+            for (layer, name) in [(Aov::CryptoObject, "ball"), (Aov::CryptoMaterial, "white")] {
+                let mattes = film.channels(layer).expect("kept");
+                let hash = specula::film::cryptomatte::hash(name).to_bits();
+                for pixel in 0..1024 {
+                    let ranks: Vec<_> =
+                        (0..6).map(|i| (mattes[2 * i][pixel], mattes[2 * i + 1][pixel])).collect();
+                    let matte: f32 =
+                        ranks.iter().filter(|(id, _)| id.to_bits() == hash).map(|(_, part)| part).sum();
+                    let sum: f32 = ranks.iter().map(|(_, part)| part).sum();
+                    assert!(ranks.is_sorted_by(|a, b| a.1 >= b.1), "{filter}: {ranks:?}");
+                    // What a negative part of a filter makes of an edge is cut, which the others pay for.
+                    let tolerance = if filter == "box" { 1e-5 } else { 0.06 };
+                    assert!(
+                        (matte - alpha[pixel]).abs() <= tolerance,
+                        "{filter}, {pixel}: {matte} for {}",
+                        alpha[pixel]
+                    );
+                    assert!((sum - whole[pixel]).abs() <= tolerance, "{filter}, {pixel}: {sum} in all");
+                    assert!(
+                        whole[pixel] < 1.0 || (sum - 1.0).abs() < 1e-5,
+                        "{filter}, {pixel}: {sum}, covered"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn files_have_mattes_as_floats_and_say_which_name_is_which() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("a.toml"), named("mitchell", "spp = 4")).expect("a scene");
+    let words = ["render", "a.toml", "-q", "--half", "-o", "a.exr", "--aov", "cryptomatte,object_id,direct"];
+    let (status, _, said) = desk.run(&words);
+    assert_eq!(status, 0, "{said}");
+    let picture = exr::read(&desk.path("a.exr")).expect("readable");
+    for name in ["CryptoObject00.R", "CryptoObject02.A", "CryptoMaterial01.B"] {
+        assert!(matches!(picture.channel(name), Some(exr::Samples::Float(_))), "{name}");
+    }
+    assert!(matches!(picture.channel("object_id"), Some(exr::Samples::Uint(_))), "numbers");
+    assert!(matches!(picture.channel("direct.G"), Some(exr::Samples::Half(_))), "light");
+    let entry = |end: &str, with: &str| {
+        let found = picture.attributes.iter().find(|(key, value)| key.ends_with(end) && value.contains(with));
+        found.map(|(_, value)| value.clone()).expect("metadata")
+    };
+    assert_eq!(entry("/name", "Object"), "CryptoObject", "layer");
+    let hash = format!("\"ball\":\"{:08x}\"", specula::film::cryptomatte::hash("ball").to_bits());
+    assert!(entry("/manifest", "ball").contains(&hash), "{hash}");
+    assert_eq!(entry("object_id", ""), r#"["ball","shape_1","shape_2","light_0"]"#, "names of numbers");
+}
+
+/// A pane of polished glass before a red wall, seen straight on.
+const PANE: &str = r#"
+    [camera]
+    from = [0.0, 0.0, 4.0]
+    at = [0.0, 0.0, 0.0]
+    vfov_deg = 20.0
+    [film]
+    width = 32
+    height = 32
+    filter = "box"
+    [render]
+    integrator = "path"
+    spp = 1
+    [materials.glass]
+    type = "dielectric"
+    [materials.red]
+    type = "diffuse"
+    reflectance = [0.6, 0.1, 0.05]
+    [[shapes]]
+    type = "box"
+    min = [-3.0, -3.0, 0.0]
+    max = [3.0, 3.0, 0.1]
+    transform = [{ rotate_deg = 20.0, axis = [0, 1, 0] }]
+    material = "glass"
+    [[shapes]]
+    type = "rectangle"
+    center = [0.0, 0.0, -2.0]
+    edge_u = [9.0, 0.0, 0.0]
+    edge_v = [0.0, 9.0, 0.0]
+    material = "red"
+"#;
+
+#[test]
+fn polished_surfaces_are_followed_unless_the_film_says_otherwise() {
+    let features = [Aov::Albedo, Aov::Normal, Aov::Depth, Aov::MaterialId];
+    let through = film(PANE, &features);
+    let middle = [16, 16];
+    // Two surfaces that pass 96 % each.
+    let albedo = at(&through, Aov::Albedo, middle);
+    assert!((0.50..0.58).contains(&albedo[0]) && albedo[1] < 0.1, "the wall behind the pane: {albedo:?}");
+    assert_near(&at(&through, Aov::Normal, middle), &[0.0, 0.0, 1.0], "of the wall");
+    let depth = at(&through, Aov::Depth, middle);
+    assert!((3.8..4.0).contains(&depth[0]), "of the pane: {depth:?}");
+    let first = film(&PANE.replace("[film]", "[film]\n    follow_polished = false"), &features);
+    let normal = at(&first, Aov::Normal, middle);
+    let turned = 20.0_f32.to_radians();
+    assert_near(&normal, &[turned.sin(), 0.0, turned.cos()], "of the pane");
+    assert_near(&at(&first, Aov::Albedo, middle), &[1.0; 3], "glass keeps nothing");
+    for aov in [Aov::Depth, Aov::MaterialId, Aov::Beauty] {
+        assert_eq!(bits(&first, aov), bits(&through, aov), "{aov:?}: nothing else changes");
+    }
+    let mirror = still("integrator = \"whitted\"").replace("[film]", "[film]\n    follow_polished = false");
+    let mirror = film(&mirror, &features);
+    assert_near(&at(&mirror, Aov::Normal, [16, 25]), &[0.0, 1.0, 0.0], "of the mirror itself");
+    assert_near(&at(&mirror, Aov::Albedo, [16, 25]), &[0.9, 0.8, 0.7], "what it sends back");
 }

@@ -54,9 +54,24 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
 
-    /// Samples per pixel
+    /// Samples per pixel; with --time-limit or --target-error at most
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub spp: Option<String>,
+
+    /// End the picture when this time is over, such as 90, 90s, 2m or 1.5h
+    ///
+    /// By the clock, reading the scene included, writing the picture not. All pixels get the same number of samples, one in any
+    /// case, and those of --spp (or of the scene file) at most.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub time_limit: Option<String>,
+
+    /// End the picture when its relMSE is below E: more samples where they bring most
+    ///
+    /// The relMSE of `specula diff` against a picture of endless samples, estimated from the picture's own: it is below E in 95 of 100
+    /// pictures. Light that no sample has found is not in the estimate. Pixels get 32 samples at least and those of --spp (or
+    /// of the scene file) at most.
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    pub target_error: Option<String>,
 
     /// What to compute
     #[arg(long, value_name = "NAME", value_parser = Words::of(Integrator::ALL, Integrator::word))]
@@ -106,7 +121,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
 
-    /// Further outputs of the EXR file: albedo, normal, geometric_normal, depth, position, uv, variance, samples
+    /// Further outputs of the EXR file, `cryptomatte` both of its kinds: direct, indirect, albedo, normal, geometric_normal, depth, position, uv, variance, samples, object_id,
+    /// material_id, crypto_object, crypto_material
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words::of(&Aov::ALL, Aov::name))]
     pub aov: Vec<String>,
 

@@ -6,6 +6,7 @@ pub(super) use bench::BenchOptions;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use super::args::{DiffArgs, RenderArgs};
 use crate::error::{Error, Place, Problem, Problems, Result};
@@ -13,6 +14,7 @@ use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
+use crate::render::Limits;
 use crate::scene::load::words::suggest;
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
@@ -28,6 +30,7 @@ pub(super) struct RenderOptions {
     pub(super) crop: Option<Window>,
     pub(super) layout: Layout,
     pub(super) threads: Option<NonZeroUsize>,
+    pub(super) limits: Limits,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
 }
@@ -57,6 +60,10 @@ impl RenderOptions {
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             layout: layout(&args.aov, &mut problems),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            limits: Limits {
+                time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
+                error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
+            },
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
@@ -224,14 +231,19 @@ fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
 }
 
+/// All outputs that are mattes.
+const CRYPTOMATTE: &str = "cryptomatte";
+
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
-    let known = Aov::ALL.map(Aov::name);
+    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
         problems.push(on_command_line(what).remedy(suggest(name, &known)));
     }
-    Layout::with(Aov::ALL.into_iter().filter(|aov| names.iter().any(|name| name == aov.name())))
+    let means =
+        |name: &str, aov: Aov| name == aov.name() || (name == CRYPTOMATTE && aov.matte_layer().is_some());
+    Layout::with(Aov::ALL.into_iter().filter(|&aov| names.iter().any(|name| means(name, aov))))
 }
 
 fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
@@ -255,6 +267,33 @@ fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
         problems.push(
             on_command_line(format!("`--threads {text}` is not a number of threads"))
                 .remedy(format!("give a whole number from 1 to {MOST_THREADS}")),
+        );
+    }
+    number
+}
+
+/// A time with its unit, seconds where there is none.
+fn time_limit(text: &str, problems: &mut Problems) -> Option<Duration> {
+    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
+    let with_unit = |&(unit, seconds): &(&str, f64)| text.strip_suffix(unit).map(|rest| (rest, seconds));
+    let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
+    let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
+    let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
+    if time.is_none() {
+        problems.push(
+            on_command_line(format!("`--time-limit {text}` is not a time"))
+                .remedy("give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h"),
+        );
+    }
+    time
+}
+
+fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
+    let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
+    if number.is_none() {
+        problems.push(
+            on_command_line(format!("`--target-error {text}` is not an error"))
+                .remedy("give a relMSE above 0, such as 0.001"),
         );
     }
     number
@@ -330,6 +369,19 @@ mod tests {
         let Error::Input(problems) = error else { panic!("{error}") };
         assert_eq!(problems.0.len(), 5, "{problems}");
         assert!(problems.0.iter().all(|problem| problem.remedy.is_some()), "{problems}");
+    }
+
+    #[test]
+    fn times_have_units() {
+        let parse = |text| time_limit(text, &mut Problems::default());
+        for (text, seconds) in
+            [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)]
+        {
+            assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
+        }
+        for text in ["", "s", "0", "-3", "1d", "1m30s", "nan", "inf", "1e300h"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
     }
 
     #[test]

@@ -87,7 +87,7 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
             "{} x {}, {} per pixel",
             film.width,
             film.height,
-            counted(scene.render.spp as usize, "sample")
+            counted(scene.render.spp() as usize, "sample")
         ),
     );
     line("backend", &backend_use(scene, needs).join("; "));
@@ -158,7 +158,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         "texture_bytes": needs.texture_bytes,
         "width": scene.film.width,
         "height": scene.film.height,
-        "spp": scene.render.spp,
+        "spp": scene.render.spp(),
         "integrator": scene.render.integrator.word(),
         "backend": { "name": scene.render.backend.word(), "uses": backend_use(scene, needs) },
         "query": { "name": render::query(scene).query.word(), "why": render::query(scene).why },

@@ -2,6 +2,7 @@
 
 use std::io;
 use std::path::Path;
+use std::time::Instant;
 
 use serde_json::Value;
 
@@ -14,12 +15,13 @@ use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
-use crate::render::{self, Phase, Rendered, Settings};
+use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
 
 /// Renders a scene to files, whose names it prints.
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
+    let start = Instant::now();
     log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
@@ -31,11 +33,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     interrupt.check()?;
 
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
-    let settings = Settings { threads: options.threads, crop: options.crop, layout: options.layout.clone() };
+    let settings = settings(&options, start);
     let rendered = render::render(&scene, &settings, &meter);
     meter.finish();
     let rendered = rendered?;
-    tell(&options, &rendered);
+    tell(&options, &scene, &rendered);
 
     let (written, write) = Phase::of(|| write(&options, &scene, &rendered, load));
     written?;
@@ -44,6 +46,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         write_json(path, &report)?;
     }
     output::print(names(&options).as_bytes())
+}
+
+/// What the scene does not say. The limit of time began at `start`.
+fn settings(options: &RenderOptions, start: Instant) -> Settings {
+    Settings {
+        threads: options.threads,
+        crop: options.crop,
+        layout: options.layout.clone(),
+        limits: Limits {
+            time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
+            ..options.limits
+        },
+    }
 }
 
 /// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
@@ -67,7 +82,7 @@ fn load(options: &RenderOptions) -> Result<Scene> {
 }
 
 /// Logs how it went, and what was dropped.
-fn tell(options: &RenderOptions, rendered: &Rendered) {
+fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     let statistics = &rendered.statistics;
     let rate = statistics::rate(statistics.counters.rays(), statistics.render.wall).unwrap_or(0.0);
     tracing::info!(
@@ -79,12 +94,25 @@ fn tell(options: &RenderOptions, rendered: &Rendered) {
         statistics.threads,
         if statistics.threads == 1 { "" } else { "s" },
     );
+    if !options.limits.is_none() {
+        let why = match statistics.ended {
+            Ended::Samples => "all samples were taken",
+            Ended::Time => "the time was over",
+            Ended::Error => "the error is below its target",
+        };
+        tracing::info!("ended with {} per pixel: {why}", statistics::per_pixel(rendered));
+        if let Some(Estimate { error, bound }) = statistics.estimate {
+            tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
+        } else if options.limits.error.is_some() {
+            tracing::warn!("too few samples to estimate the error");
+        }
+    }
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {
         tracing::warn!(
             "{} samples were not finite and count as black; see the first one by `{}`",
             non_finite.count(),
-            statistics::replay(options, first),
+            statistics::replay(options, statistics::replayed_spp(options, scene), first),
         );
     }
 }

@@ -6,8 +6,8 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::options::RenderOptions;
-use crate::film::SampleId;
-use crate::render::{self, Phase, Rendered};
+use crate::film::{Film, SampleId, cryptomatte};
+use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::Integrator;
 
@@ -24,11 +24,13 @@ pub(super) struct Times {
 pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec<(String, String)> {
     let settings = &scene.render;
     let statistics = &rendered.statistics;
+    let [least, most] = rendered.film.samples_of_pixels();
     let mut entries = vec![
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("integrator", settings.integrator.word().to_owned()),
-        ("spp", settings.spp.to_string()),
-        ("samples", format!("0..{}", settings.spp)),
+        ("spp", most.to_string()),
+        ("samples", format!("0..{most}")),
+        ("ended_by", statistics.ended.word().to_owned()),
         ("seed", settings.seed.to_string()),
         ("sampler", settings.sampler.word().to_owned()),
         ("filter", scene.film.filter.word().to_owned()),
@@ -43,12 +45,35 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         ("cpu_render_s", seconds(statistics.render.cpu).to_string()),
         ("non_finite_samples", rendered.film.non_finite().count().to_string()),
     ];
+    if least < most {
+        entries.extend([("samples_min", least.to_string()), ("samples_mean", mean(rendered).to_string())]);
+    }
+    if let Some(Estimate { error, bound }) = statistics.estimate {
+        entries
+            .extend([("estimated_relmse", error.to_string()), ("estimated_relmse_bound", bound.to_string())]);
+    }
     entries.push(("query", render::query(scene).query.word().to_owned()));
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
-    entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value)).collect()
+    let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
+    entries.chain(names(&rendered.film)).collect()
+}
+
+/// What numbers in a picture are called.
+fn names(film: &Film) -> Vec<(String, String)> {
+    let mut entries = Vec::new();
+    for &aov in film.layout().aovs() {
+        let names = film.names().of(aov);
+        if let Some(layer) = aov.matte_layer() {
+            entries.extend(cryptomatte::attributes(layer, names));
+        } else if aov.is_of_ids() {
+            // Numbers count from 1.
+            entries.push((format!("specula:{}", aov.name()), json!(names).to_string()));
+        }
+    }
+    entries
 }
 
 /// Everything counted and timed.
@@ -56,6 +81,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
     let window = rendered.film.window();
+    let [least, most] = rendered.film.samples_of_pixels();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": options.scene.display().to_string(),
@@ -68,7 +94,12 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
         "width": scene.film.width,
         "height": scene.film.height,
         "crop": [window.x0, window.y0, window.x1, window.y1],
-        "spp": scene.render.spp,
+        "spp": most,
+        "samples_per_pixel": { "min": least, "mean": mean(rendered), "max": most },
+        "ended_by": statistics.ended.word(),
+        "time_limit_s": options.limits.time.map(seconds),
+        "target_error": options.limits.error,
+        "estimated_error": statistics.estimate.map(|it| json!({ "relmse": it.error, "bound": it.bound })),
         "seed": scene.render.seed,
         "phases": {
             "load": phase(times.load),
@@ -95,22 +126,45 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
         "texture_bytes": scene.texture_bytes(),
         "non_finite": {
             "count": rendered.film.non_finite().count(),
-            "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, s)).collect::<Vec<_>>(),
+            "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, scene, s)).collect::<Vec<_>>(),
         },
     })
 }
 
-fn sample(options: &RenderOptions, sample: SampleId) -> Value {
-    json!({ "pixel": [sample.x, sample.y], "index": sample.index, "command": replay(options, sample) })
+/// How many samples a pixel has on average.
+#[expect(clippy::cast_precision_loss, reason = "a mean")]
+fn mean(rendered: &Rendered) -> f64 {
+    rendered.film.samples() as f64 / rendered.film.window().area() as f64
 }
 
-/// The command that renders that sample's pixel again, and nothing else.
-pub(super) fn replay(options: &RenderOptions, sample: SampleId) -> String {
+/// How many samples pixels have, in words.
+pub(super) fn per_pixel(rendered: &Rendered) -> String {
+    let [least, most] = rendered.film.samples_of_pixels();
+    let samples = |n: u32| if n == 1 { "1 sample".to_owned() } else { format!("{n} samples") };
+    if least == most {
+        return samples(most);
+    }
+    format!("{least} to {}, {:.1} on average,", samples(most), mean(rendered))
+}
+
+fn sample(options: &RenderOptions, scene: &Scene, sample: SampleId) -> Value {
+    let command = replay(options, replayed_spp(options, scene), sample);
+    json!({ "pixel": [sample.x, sample.y], "index": sample.index, "command": command })
+}
+
+/// How many samples there were to be at most, where the scene does not say.
+pub(super) fn replayed_spp(options: &RenderOptions, scene: &Scene) -> Option<u32> {
+    (scene.render.spp.is_none() && !options.limits.is_none()).then_some(render::MOST)
+}
+
+/// The command that renders that sample's pixel again, and nothing else; with `spp` samples, where it is not for the scene to say.
+pub(super) fn replay(options: &RenderOptions, spp: Option<u32>, sample: SampleId) -> String {
     let SampleId { x, y, .. } = sample;
     let mut words = vec!["specula".to_owned(), "render".to_owned(), quoted(&options.scene.to_string_lossy())];
     for text in &options.overrides {
         words.extend(["-D".to_owned(), quoted(text)]);
     }
+    words.extend(spp.map(|spp| format!("--spp={spp}")));
     words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
     words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
     words.join(" ")
@@ -162,10 +216,11 @@ mod tests {
             layout: crate::film::Layout::default(),
             crop: None,
             threads: None,
+            limits: render::Limits::default(),
             precision: Precision::Float,
             stats: None,
         };
-        let command = replay(&options, SampleId { y: 5, x: 3, index: 1 });
+        let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
         let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --crop 3,5,4,6 -o pixel.exr";
         assert_eq!(command, wanted, "quoted for a shell");
     }

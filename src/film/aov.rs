@@ -2,11 +2,18 @@
 //!
 //! To add one: a variant, its line in [`Aov::ALL`] and in [`Aov::channels`], and somebody who fills it.
 
+use super::cryptomatte::RANKS;
+
 /// What is kept of the samples. An arbitrary output variable, in the words of the field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Aov {
     /// Radiance towards the camera, W/(sr m^2).
     Beauty,
+    /// The part of the picture that came by two edges at most: emission that is seen directly, and light from lights (the
+    /// environment is one) that one surface scattered, be it asked for or met by chance.
+    Direct,
+    /// The rest of the picture.
+    Indirect,
     /// The part of the pixel that shows anything but what lies infinitely far away, in [0, 1].
     Alpha,
     /// The part of white light that what is seen sends back, in [0, 1].
@@ -25,13 +32,23 @@ pub enum Aov {
     Variance,
     /// How many samples the pixel has.
     Samples,
+    /// The number of the nearest object that a sample of the pixel shows, from 1; 0 where there is none.
+    ObjectId,
+    /// The number of the material of the same.
+    MaterialId,
+    /// How much of which object: names as numbers and coverages.
+    CryptoObject,
+    /// The same of materials.
+    CryptoMaterial,
 }
 
 impl Aov {
     /// All there are.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 16] = [
         Self::Beauty,
         Self::Alpha,
+        Self::Direct,
+        Self::Indirect,
         Self::Albedo,
         Self::Normal,
         Self::GeometricNormal,
@@ -40,12 +57,18 @@ impl Aov {
         Self::Uv,
         Self::Variance,
         Self::Samples,
+        Self::ObjectId,
+        Self::MaterialId,
+        Self::CryptoObject,
+        Self::CryptoMaterial,
     ];
 
     /// The name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Beauty => "beauty",
+            Self::Direct => "direct",
+            Self::Indirect => "indirect",
             Self::Alpha => "alpha",
             Self::Albedo => "albedo",
             Self::Normal => "normal",
@@ -55,6 +78,10 @@ impl Aov {
             Self::Uv => "uv",
             Self::Variance => "variance",
             Self::Samples => "samples",
+            Self::ObjectId => "object_id",
+            Self::MaterialId => "material_id",
+            Self::CryptoObject => "crypto_object",
+            Self::CryptoMaterial => "crypto_material",
         }
     }
 
@@ -63,6 +90,8 @@ impl Aov {
         match self {
             Self::Beauty => &["R", "G", "B"],
             Self::Alpha => &["A"],
+            Self::Direct => &["direct.R", "direct.G", "direct.B"],
+            Self::Indirect => &["indirect.R", "indirect.G", "indirect.B"],
             Self::Albedo => &["albedo.R", "albedo.G", "albedo.B"],
             Self::Normal => &["N.X", "N.Y", "N.Z"],
             Self::GeometricNormal => &["Ng.X", "Ng.Y", "Ng.Z"],
@@ -71,12 +100,17 @@ impl Aov {
             Self::Uv => &["uv.U", "uv.V"],
             Self::Variance => &["variance.R", "variance.G", "variance.B"],
             Self::Samples => &["samples"],
+            Self::ObjectId => &["object_id"],
+            Self::MaterialId => &["material_id"],
+            Self::CryptoObject => &CRYPTO_OBJECT,
+            Self::CryptoMaterial => &CRYPTO_MATERIAL,
         }
     }
 
     /// How many values each sample brings; those of the others are made of the pixel's sums.
     pub fn len(self) -> usize {
-        if matches!(self, Self::Variance | Self::Samples) { 0 } else { self.channels().len() }
+        let is_made = matches!(self, Self::Variance | Self::Samples) || self.is_of_ids();
+        if is_made { 0 } else { self.channels().len() }
     }
 
     /// Whether samples bring nothing for it.
@@ -94,11 +128,49 @@ impl Aov {
         matches!(self, Self::Depth | Self::Position | Self::Uv)
     }
 
+    /// Whether it is of numbers of things, which have no mean.
+    pub fn is_of_ids(self) -> bool {
+        matches!(self, Self::ObjectId | Self::MaterialId) || self.matte_layer().is_some()
+    }
+
+    /// The name of the layer of mattes that it is, if it is one.
+    pub fn matte_layer(self) -> Option<&'static str> {
+        match self {
+            Self::CryptoObject => Some("CryptoObject"),
+            Self::CryptoMaterial => Some("CryptoMaterial"),
+            _ => None,
+        }
+    }
+
     /// Whether it is of what camera rays see, and not of light.
     pub fn is_feature(self) -> bool {
-        matches!(self, Self::Albedo | Self::Normal | Self::GeometricNormal) || self.is_of_hits()
+        let is_surface = matches!(self, Self::Albedo | Self::Normal | Self::GeometricNormal);
+        is_surface || self.is_of_hits() || self.is_of_ids()
     }
 }
+
+/// The channels of three layers of two pairs of name and coverage.
+macro_rules! ranked {
+    ($layer:literal) => {
+        [
+            concat!($layer, "00.R"),
+            concat!($layer, "00.G"),
+            concat!($layer, "00.B"),
+            concat!($layer, "00.A"),
+            concat!($layer, "01.R"),
+            concat!($layer, "01.G"),
+            concat!($layer, "01.B"),
+            concat!($layer, "01.A"),
+            concat!($layer, "02.R"),
+            concat!($layer, "02.G"),
+            concat!($layer, "02.B"),
+            concat!($layer, "02.A"),
+        ]
+    };
+}
+
+const CRYPTO_OBJECT: [&str; 2 * RANKS] = ranked!("CryptoObject");
+const CRYPTO_MATERIAL: [&str; 2 * RANKS] = ranked!("CryptoMaterial");
 
 /// Which outputs a film keeps, and where the values of each stand in a sample.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -120,6 +192,16 @@ impl Layout {
     /// Whether anything is kept of what camera rays see.
     pub fn has_features(&self) -> bool {
         self.aovs.iter().any(|aov| aov.is_feature())
+    }
+
+    /// Whether anything is kept of the numbers of things.
+    pub fn has_ids(&self) -> bool {
+        self.aovs.iter().any(|aov| aov.is_of_ids())
+    }
+
+    /// Whether direct light is told apart.
+    pub fn splits(&self) -> bool {
+        self.has(Aov::Direct) || self.has(Aov::Indirect)
     }
 
     /// Those outputs, each once, in that order.

@@ -5,11 +5,20 @@
 //! Ernst, Stamminger, Greiner, 2006, "Filter importance sampling".
 
 mod aov;
+pub mod cryptomatte;
 mod filter;
+mod shares;
 mod statistics;
 mod sums;
+mod tile;
 
 pub use aov::{Aov, Layout};
 pub use filter::{Filter, FilterSample, FilterShape};
+pub use shares::Seen;
 pub use statistics::{NonFinite, SampleId};
-pub use sums::{Film, Precision, Tile};
+pub use sums::{Film, Names, Precision};
+pub use tile::Tile;
+
+/// What keeps relMSE finite on black: added to the square of the reference. Rousselle, Knaus, Zwicker, 2011, "Adaptive
+/// sampling and reconstruction using greedy error minimization", and most since.
+pub const RELATIVE_FLOOR: f64 = 1e-2;

@@ -1,7 +1,7 @@
 //! Sums, tiles and what is made of them.
 
 use super::*;
-use crate::film::{Filter, FilterSample, FilterShape};
+use crate::film::{Filter, FilterSample, FilterShape, SampleId};
 
 /// A sample of a made-up scene: value and weight depend on pixel and index alone.
 fn sample(id: SampleId) -> (f32, [f32; 4]) {
@@ -44,6 +44,29 @@ fn a_film_does_not_depend_on_its_tiles() {
     assert_eq!(film_of_tiles([37, 23], Window::whole(37, 23), 8), whole, "tiles of 8");
     assert_eq!(film_of_tiles([37, 23], Window::whole(37, 23), 1), whole, "tiles of 1");
     assert_eq!(whole.samples(), 37 * 23 * 5, "samples");
+}
+
+#[test]
+fn a_part_goes_on_where_it_was_left() {
+    let window = Window { x0: 2, y0: 1, x1: 9, y1: 6 };
+    let whole = film_of_tiles([10, 8], window, 4);
+    let mut film = Film::new([10, 8], window, Layout::default());
+    let parts = [Window { x0: 2, y0: 1, x1: 6, y1: 6 }, Window { x0: 6, y0: 1, x1: 9, y1: 6 }];
+    for (from, to) in [(0, 2), (2, 5)] {
+        for part in parts {
+            let mut tile = film.part(part);
+            for (y, x) in (part.y0..part.y1).flat_map(|y| (part.x0..part.x1).map(move |x| (y, x))) {
+                for index in from..to {
+                    let id = SampleId { y, x, index };
+                    let (weight, values) = sample(id);
+                    tile.add(id, weight, &values);
+                }
+            }
+            film.put(&tile);
+        }
+    }
+    assert_eq!(film, whole, "to the bit as in one go");
+    assert_eq!(film.samples_of_pixels(), [5, 5], "samples");
 }
 
 #[test]

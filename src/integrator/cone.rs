@@ -48,7 +48,7 @@ impl Beam {
             return None;
         }
         #[expect(clippy::cast_precision_loss, reason = "few samples count")]
-        let part = (scene.render.spp as f32).sqrt().recip().max(NARROWEST);
+        let part = (scene.render.spp() as f32).sqrt().recip().max(NARROWEST);
         let spread = scene.camera.pixel_angle([scene.film.width, scene.film.height]) * part;
         Some(Self { spread, part })
     }

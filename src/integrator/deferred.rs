@@ -10,16 +10,30 @@ use crate::math::Rgb;
 pub struct Deferred {
     rays: RayStream,
     light: Vec<Rgb<f32>>,
-    slots: Vec<usize>,
+    slots: Vec<Slot>,
     blocked: Vec<bool>,
-    /// The camera sample that rays are added for.
-    slot: usize,
+    /// What rays are added for.
+    slot: Slot,
+}
+
+/// Where light arrives.
+#[derive(Clone, Copy, Debug, Default)]
+struct Slot {
+    /// The camera sample.
+    sample: usize,
+    /// Edges of the path by which it comes.
+    edges: u32,
 }
 
 impl Deferred {
     /// Says which camera sample the rays that follow are for.
-    pub fn begin(&mut self, slot: usize) {
-        self.slot = slot;
+    pub fn begin(&mut self, sample: usize) {
+        self.slot.sample = sample;
+    }
+
+    /// Says of how many edges the paths are that end with the rays that follow.
+    pub(super) fn edges(&mut self, edges: u32) {
+        self.slot.edges = edges;
     }
 
     /// Adds a ray.
@@ -38,7 +52,7 @@ impl Deferred {
         accel.occluded_stream(rays, blocked, Coherence::Incoherent);
         for ((&blocked, &light), &slot) in blocked.iter().zip(&*light).zip(&*slots) {
             if !blocked {
-                samples[slot].color += light;
+                samples[slot.sample].add(light, slot.edges);
             }
         }
         rays.clear();

@@ -1,15 +1,18 @@
 //! What a camera ray sees, for denoisers and for compositing: no light, but where it comes from.
 //!
-//! Place, depth and geometric normal are of the first surface. Albedo and shading normal are of the first one that is not
+//! Place, depth, geometric normal, object and material are of the first surface. Albedo and shading normal are of the first one that is not
 //! polished: a mirror shows those of what it mirrors, tinted, and glass those of what is behind it or what it mirrors, whichever
-//! brings more. That is what denoisers want to know (Intel Open Image Denoise, documentation of auxiliary images).
+//! brings more. That is what denoisers want to know (Intel Open Image Denoise, documentation of auxiliary images). Where the scene's film
+//! does not want polished surfaces followed, all is of the first one.
 
 use super::whitted::{Arrival, Node, arrive};
 use crate::accel::Accel;
 use crate::bsdf::{Branch, Lobes, Mix};
+use crate::geometry::PlacementId;
 use crate::integrator::cone::Beam;
 use crate::integrator::shading::Shading;
 use crate::integrator::{CameraRay, Stage, Worker, relief, tangent};
+use crate::material::MaterialId;
 use crate::math::{Rgb, Vec3};
 use crate::texture::Spot;
 use glam::{Vec2, Vec3 as Point};
@@ -30,6 +33,10 @@ pub struct Features {
     pub position: Point,
     /// Surface parameters.
     pub uv: Vec2,
+    /// What was hit.
+    pub object: PlacementId,
+    /// What it is made of.
+    pub material: MaterialId,
 }
 
 /// Polished surfaces in a row that are followed.
@@ -52,12 +59,14 @@ impl Features {
             depth: it.p.distance(camera.ray.o),
             position: it.p,
             uv: it.uv,
+            object: it.placement,
+            material: stage.scene.material(it).0,
         };
         let mut tint = Rgb::WHITE;
         let mut arrival = first;
         for _ in 0..MOST_POLISHED {
             let spot = node.spot(stage.scene, &arrival.it, beam);
-            let seen = Seen::of(stage, &arrival, spot);
+            let seen = Seen::of(stage, &arrival, spot, stage.scene.film.follow_polished);
             features.normal = seen.normal;
             features.albedo = tint * seen.albedo;
             let Some((branch, d)) = seen.polished else { return Some(features) };
@@ -80,7 +89,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of<A: Accel>(stage: &Stage<'_, A>, arrival: &Arrival, spot: Spot<f32>) -> Self {
+    fn of<A: Accel>(stage: &Stage<'_, A>, arrival: &Arrival, spot: Spot<f32>, follow: bool) -> Self {
         let mut it = arrival.it;
         let (_, material) = stage.scene.material(&it);
         let emitted = material.emitted(it.is_front(), spot);
@@ -92,7 +101,7 @@ impl Seen {
         let Some(mix) = material.bsdf(spot, arrival.eta) else {
             return Self { albedo: limited(emitted), normal, polished: None };
         };
-        if emitted.is_black() && !mix.lobes().intersects(Lobes::DIFFUSE | Lobes::GLOSSY) {
+        if follow && emitted.is_black() && !mix.lobes().intersects(Lobes::DIFFUSE | Lobes::GLOSSY) {
             let branches = mix.parts().flat_map(|part| {
                 let scaled =
                     move |branch: Branch<f32>| Branch { weight: branch.weight * part.weight, ..branch };

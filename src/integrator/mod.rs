@@ -36,8 +36,28 @@ use glam::Vec3;
 pub struct Radiance {
     /// Radiance, W/(sr m^2), or what a view shows.
     pub color: Rgb<f32>,
+    /// The part of it that came by [`DIRECT`] edges at most: emission seen directly, and light that one surface scattered. What a
+    /// view shows is direct.
+    pub direct: Rgb<f32>,
     /// 1 where a surface was hit, 0 where not.
     pub alpha: f32,
+}
+
+/// Edges of the longest path of direct light: from the eye to a surface, and from there to a light.
+pub const DIRECT: u32 = 2;
+
+impl Radiance {
+    /// Nothing that was hit.
+    pub const NOTHING: Self = Self { color: Rgb::BLACK, direct: Rgb::BLACK, alpha: 0.0 };
+
+    /// Adds light that came by so many edges.
+    #[inline]
+    pub fn add(&mut self, light: Rgb<f32>, edges: u32) {
+        self.color += light;
+        if edges <= DIRECT {
+            self.direct += light;
+        }
+    }
 }
 
 /// A frozen scene, and what finds hits in it.

@@ -37,12 +37,13 @@ impl Integrator for View {
             let radiance = whitted.li(stage, camera, sampler, worker);
             #[expect(clippy::cast_precision_loss, reason = "rays of one sample")]
             let rays = (worker.counters.rays() - before) as f32;
-            return Radiance { color: Rgb::gray(rays), ..radiance };
+            return Radiance { color: Rgb::gray(rays), direct: Rgb::gray(rays), ..radiance };
         }
         worker.counters.camera += 1;
-        let Some(hit) = camera.hit(stage.accel) else { return Radiance { color: Rgb::BLACK, alpha: 0.0 } };
+        let Some(hit) = camera.hit(stage.accel) else { return Radiance::NOTHING };
         let it = stage.scene.world.interaction(&camera.ray, &hit);
-        Radiance { color: self.show(stage, &it), alpha: 1.0 }
+        let color = self.show(stage, &it);
+        Radiance { color, direct: color, alpha: 1.0 }
     }
 }
 

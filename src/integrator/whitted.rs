@@ -150,11 +150,11 @@ impl Integrator for Whitted {
     ) -> Radiance {
         worker.counters.camera += 1;
         let beam = Beam::of(stage.scene);
-        let mut result = Radiance { color: Rgb::BLACK, alpha: 0.0 };
+        let mut result = Radiance::NOTHING;
         worker.pending.push(Node::of_camera(camera, stage.eye_media, beam));
         while let Some(node) = worker.pending.pop() {
             let vertex = node.vertex;
-            let hit = self.follow((stage, beam), node, sampler, worker, &mut result.color);
+            let hit = self.follow((stage, beam), node, sampler, worker, &mut result);
             if vertex == Vertex::ROOT && hit {
                 result.alpha = 1.0;
             }
@@ -171,11 +171,11 @@ impl Whitted {
         mut node: Node,
         sampler: &S,
         worker: &mut Worker,
-        sum: &mut Rgb<f32>,
+        sum: &mut Radiance,
     ) -> bool {
         let scene = stage.scene;
         let Some(arrival) = arrive(stage, &mut node, worker) else {
-            *sum += node.beta * environment(stage, &node);
+            sum.add(node.beta * environment(stage, &node), node.depth);
             return false;
         };
         let Arrival { mut it, eta, beyond } = arrival;
@@ -184,7 +184,7 @@ impl Whitted {
         let spot = node.spot(scene, &it, beam);
         let emitted = material.emitted(it.is_front(), spot);
         if emitted != Rgb::BLACK {
-            *sum += node.beta * emitted.scale(share_of_emission(stage, &node, &it));
+            sum.add(node.beta * emitted.scale(share_of_emission(stage, &node, &it)), node.depth);
         }
         if let Some(ns) = relief::normal(scene, &it, material, spot) {
             it.ns = ns;
@@ -195,7 +195,11 @@ impl Whitted {
         let counts = self.splitting.at(node.depth);
         let receiver = Receiver { it: &it, shading, mix: &mix, media, counts };
         if node.depth < self.max_depth {
-            *sum += node.beta * direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
+            if let Some(deferred) = &mut worker.deferred {
+                deferred.edges(node.depth + 1);
+            }
+            let light = direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
+            sum.add(node.beta * light, node.depth + 1);
         }
         let at =
             At { stage, node: &node, it: &it, shading, eta, beyond, beam: beam.map(|beam| (beam, length)) };

@@ -13,11 +13,8 @@ use rayon::iter::{IndexedParallelIterator as _, ParallelIterator as _};
 use rayon::slice::ParallelSlice as _;
 
 use super::Pair;
+use crate::film::RELATIVE_FLOOR;
 use crate::math::Rgb;
-
-/// What keeps relMSE finite on black: added to the square of the reference. Rousselle, Knaus, Zwicker, 2011, "Adaptive
-/// sampling and reconstruction using greedy error minimization", and most since.
-pub const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// One number that says how far a picture is from its reference.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

@@ -11,6 +11,7 @@ pub mod flip;
 pub mod magma;
 mod pair;
 
+pub use crate::film::RELATIVE_FLOOR;
 pub use comparison::Comparison;
-pub use error::{Errors, Largest, Metric, RELATIVE_FLOOR};
+pub use error::{Errors, Largest, Metric};
 pub use pair::Pair;

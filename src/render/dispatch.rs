@@ -2,14 +2,15 @@
 
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
 use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
-use crate::accel::{Accel, Brute, Coherence};
+use crate::accel::{Accel, Brute};
 use crate::error::{Error, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
 use crate::math::lanes::{Level, Scalar};
 use crate::render::query::{level, query};
-use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan};
+use crate::render::schedule::PACKET;
+use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
@@ -17,6 +18,7 @@ use crate::scene::{Scene, description};
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::ControlFlow;
 use std::thread;
+use std::time::Instant;
 
 /// Renders a scene: builds the hierarchy, then takes all samples.
 ///
@@ -66,15 +68,19 @@ pub fn render_on<A: Accel>(
 
 fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -> Result<Plan<'a>> {
     let seed = scene.render.seed;
+    let most = most(scene, settings);
     Ok(Plan {
         scene,
         window: window(scene, settings)?,
         filter: filter(&scene.film),
-        sampler: sampler(&scene.render),
+        sampler: sampler(&scene.render, most),
         #[expect(clippy::cast_possible_truncation, reason = "both halves of the seed count")]
         seed: (seed ^ (seed >> 32)) as u32,
         moves: scene.is_moving(),
         layout: settings.layout.clone(),
+        most,
+        limits: settings.limits,
+        start: Instant::now(),
         progress,
     })
 }
@@ -128,7 +134,8 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
         }
         description::Integrator::Path => {
             let level = if way == Query::Single { Level::Scalar(Scalar) } else { level() };
-            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet));
+            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet))
+                .splitting(plan.layout.splits());
             let size = if way == Query::Single { 1 } else { BATCH };
             timed(plan, accel, &InBatches { path: &path, size })
         }
@@ -157,32 +164,36 @@ fn with_integrator<A: Accel, I: Integrator>(
         Query::Packet => PACKET,
         Query::Stream => TREES,
     };
-    // What a coherent packet hits on an edge may depend on its company: never on that of other pixels, which may be missing
-    // from a crop.
-    let whole = plan.scene.render.spp.is_multiple_of(PACKET);
-    let coherence = if whole { Coherence::Coherent } else { Coherence::Incoherent };
-    timed(plan, accel, &InStreams { integrator, size, coherence })
+    timed(plan, accel, &InStreams { integrator, size })
 }
 
 fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Rendered> {
     let (traced, render) = Phase::of(|| tiles::trace(plan, accel, engine));
-    let (film, counters) = traced?;
+    let Traced { film, counters, ended, estimate } = traced?;
     let samples = film.samples();
     let hierarchy_bytes = accel.bytes();
     Ok(Rendered {
         film,
-        statistics: Statistics { counters, samples, render, hierarchy_bytes, ..Statistics::default() },
+        statistics: Statistics {
+            counters,
+            samples,
+            ended,
+            estimate,
+            render,
+            hierarchy_bytes,
+            ..Statistics::default()
+        },
     })
 }
 
 /// Camera samples that are followed side by side: flat from 1000 to 4000.
 const BATCH: u32 = 2048;
 
+/// Samples of a pixel where something else is to end the picture, and the scene does not say.
+pub const MOST: u32 = 1 << 16;
+
 /// Camera samples of ray trees that are taken together: many have many rays towards lights.
 const TREES: u32 = 256;
-
-/// Rays of the widest packet.
-const PACKET: u32 = 16;
 
 fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
     let [width, height] = [scene.film.width, scene.film.height];
@@ -196,8 +207,12 @@ fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
     Ok(window)
 }
 
-fn sampler(render: &description::Render) -> SamplerKind {
-    let spp = render.spp;
+/// How many samples a pixel gets at most.
+fn most(scene: &Scene, settings: &Settings) -> u32 {
+    if settings.limits.is_none() { scene.render.spp() } else { scene.render.spp.unwrap_or(MOST) }
+}
+
+fn sampler(render: &description::Render, spp: u32) -> SamplerKind {
     match render.sampler {
         description::Sampler::Sobol => SamplerKind::OwenSobol,
         description::Sampler::Independent => SamplerKind::Independent,

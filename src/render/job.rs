@@ -3,12 +3,13 @@
 use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
+use crate::render::{Ended, Estimate, Limits};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
 
 /// What the scene does not say.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// How many threads; all processors if absent.
     pub threads: Option<NonZeroUsize>,
@@ -16,6 +17,8 @@ pub struct Settings {
     pub crop: Option<Window>,
     /// What is kept of samples.
     pub layout: Layout,
+    /// What ends the picture before it has all samples.
+    pub limits: Limits,
 }
 
 /// Somebody who watches, and may stop it. Called from several threads at once.
@@ -58,12 +61,16 @@ impl Phase {
 }
 
 /// How a rendering went.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Rays and cuts.
     pub counters: Counters,
     /// Camera samples taken.
     pub samples: u64,
+    /// What ended the picture.
+    pub ended: Ended,
+    /// How far the picture is from an endless one; where that was to end it and could be estimated.
+    pub estimate: Option<Estimate>,
     /// Building the hierarchy.
     pub build: Phase,
     /// Tracing.

@@ -7,6 +7,7 @@ use crate::math::Vec3;
 use crate::math::lanes::{IntLanes, Isa, Kernel, Lanes, Wrapping};
 use crate::render::tiles::Plan;
 use crate::sampling::{AnySampler, Dim, Sampler, Vertex};
+use std::ops::Range;
 
 /// Rays from the camera, and what their light counts.
 pub(super) struct CameraSamples<F> {
@@ -44,32 +45,34 @@ impl Plan<'_> {
     }
 }
 
-/// Goes through all samples of a window, pixel by pixel in the order of their indices.
+/// Goes through samples of all pixels of a window, pixel by pixel in the order of their indices.
 #[derive(Clone, Debug)]
 pub(super) struct Cursor {
     window: Window,
-    spp: u32,
+    samples: Range<u32>,
     next: SampleId,
 }
 
 impl Cursor {
-    pub(super) fn new(window: Window, spp: u32) -> Self {
-        Self { window, spp, next: SampleId { x: window.x0, y: window.y0, index: 0 } }
+    /// Through these samples of each pixel.
+    pub(super) fn new(window: Window, samples: Range<u32>) -> Self {
+        let next = SampleId { x: window.x0, y: window.y0, index: samples.start };
+        Self { window, samples, next }
     }
 
     /// How many samples of the same pixel come next, the next one included; 0 at the end.
     fn run(&self) -> u32 {
-        if self.next.y < self.window.y1 { self.spp - self.next.index } else { 0 }
+        if self.next.y < self.window.y1 { self.samples.end - self.next.index } else { 0 }
     }
 
     /// Passes `count` samples of the same pixel.
     fn pass(&mut self, count: u32) {
         self.next.index += count;
-        if self.next.index == self.spp {
-            self.next = SampleId { x: self.next.x + 1, index: 0, ..self.next };
+        if self.next.index == self.samples.end {
+            self.next = SampleId { x: self.next.x + 1, index: self.samples.start, ..self.next };
         }
         if self.next.x == self.window.x1 {
-            self.next = SampleId { x: self.window.x0, y: self.next.y + 1, index: 0 };
+            self.next = SampleId { x: self.window.x0, y: self.next.y + 1, ..self.next };
         }
     }
 
@@ -136,11 +139,11 @@ mod tests {
     fn a_cursor_passes_every_sample_once_in_order() {
         let window = Window { x0: 2, y0: 3, x1: 5, y1: 5 };
         let expected: Vec<_> = (3..5)
-            .flat_map(|y| (2..5).flat_map(move |x| (0..7).map(move |index| SampleId { x, y, index })))
+            .flat_map(|y| (2..5).flat_map(move |x| (4..11).map(move |index| SampleId { x, y, index })))
             .collect();
-        assert_eq!(Cursor::new(window, 7).collect::<Vec<_>>(), expected, "one by one");
+        assert_eq!(Cursor::new(window, 4..11).collect::<Vec<_>>(), expected, "one by one");
         for most in [1, 3, 7, 10, 100] {
-            let (mut cursor, mut found) = (Cursor::new(window, 7), Vec::new());
+            let (mut cursor, mut found) = (Cursor::new(window, 4..11), Vec::new());
             loop {
                 let runs: Vec<_> = cursor.runs(most).collect();
                 let total: u32 = runs.iter().map(|(_, count)| count).sum();

@@ -2,17 +2,21 @@
 
 use crate::accel::{Accel, Coherence, HitStream, RayStream};
 use crate::error::{Error, Result};
-use crate::film::{Aov, Film, Filter, Layout, SampleId, Tile};
+use crate::film::{Aov, Film, Filter, Layout, Names, SampleId, Seen, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
 use crate::integrator::{CameraRay, Counters, Deferred, Features, Integrator, Path, Radiance, Wave, Worker};
-use crate::render::Progress;
+use crate::render::course::Course;
 use crate::render::eye::Eye;
 use crate::render::samples::{Begin, CameraSamples, Cursor};
+use crate::render::schedule::{PACKET, Pass};
+use crate::render::{Ended, Estimate, Limits, Progress};
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
 
 /// Pixels along the edge of a tile: large enough that starting one costs nothing, small enough that the last ones do
 /// not keep threads waiting.
@@ -29,41 +33,79 @@ pub(super) struct Plan<'a> {
     pub(super) moves: bool,
     /// What is kept of samples.
     pub(super) layout: Layout,
+    /// How many samples a pixel gets at most.
+    pub(super) most: u32,
+    pub(super) limits: Limits,
+    /// Since when time counts.
+    pub(super) start: Instant,
     pub(super) progress: &'a dyn Progress,
 }
 
-/// All samples of the window, on the threads of the current pool.
-pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<(Film, Counters)> {
+/// All that tracing gives.
+pub(super) struct Traced {
+    pub(super) film: Film,
+    pub(super) counters: Counters,
+    pub(super) ended: Ended,
+    pub(super) estimate: Option<Estimate>,
+}
+
+/// The samples of the window, on the threads of the current pool.
+pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Traced> {
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
     let eye = Eye::new(scene, accel);
-    let sums = Mutex::new((Film::new(full, plan.window, plan.layout.clone()), Counters::default()));
-    let total = plan.window.area() as u64 * u64::from(scene.render.spp);
-    let done = AtomicU64::new(0);
+    let tiles = tiles(plan.window);
+    let names = if plan.layout.has_ids() { scene.names.clone() } else { Names::default() };
+    let nothing = || {
+        let film = Film::new(full, plan.window, plan.layout.clone()).named(names.clone());
+        (film, Counters::default())
+    };
+    let mut course = Course::new(&plan.limits, plan.start, (&tiles, plan.most));
+    let mut sums = nothing();
+    while let Some(pass) = course.next() {
+        if pass.shares.iter().any(|(_, samples)| samples.start == 0) {
+            sums = nothing();
+        }
+        let begin = Instant::now();
+        sums = take((plan, &eye, engine), (&tiles, &pass), sums, course.forecast(&pass))?;
+        course.passed(&pass, begin.elapsed().as_secs_f64(), (&tiles, &sums.0));
+    }
+    let (film, counters) = sums;
+    Ok(Traced { film, counters, ended: course.ended(), estimate: course.estimate() })
+}
+
+/// The samples of a pass, added to what there is; `total` samples are expected in all.
+fn take<A: Accel, E: Engine>(
+    (plan, eye, engine): (&Plan<'_>, &Eye<'_, A>, &E),
+    (tiles, pass): (&[Window], &Pass),
+    sums: (Film, Counters),
+    total: u64,
+) -> Result<(Film, Counters)> {
+    let done = AtomicU64::new(sums.0.samples());
     let advance = |samples| {
         plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
     };
-    // Each thread takes the next tile when it is done with one. (An iterator of rayon's would deal out runs of tiles beforehand, and the
-    // last run keeps others waiting.)
-    let (tiles, next) = (tiles(plan.window), AtomicUsize::new(0));
-    let take = |memory: &mut E::Memory, window| -> Result<()> {
-        let mut work = Work {
-            plan,
-            eye: &eye,
-            tile: Tile::new(window, plan.layout.clone()),
-            plain: plan.layout == Layout::default(),
-            advance: &advance,
-        };
+    let sums = Mutex::new(sums);
+    let locked = || sums.lock().unwrap_or_else(PoisonError::into_inner);
+    let one = |memory: &mut E::Memory, window, samples: Range<u32>| -> Result<()> {
+        let begins = samples.start == 0;
+        let tile = if begins { Tile::new(window, plan.layout.clone()) } else { locked().0.part(window) };
+        let plain = plan.layout == Layout::default();
+        let mut work = Work { plan, eye, tile, samples, coherent: pass.coherent, plain, advance: &advance };
         let counters = engine.tile(&mut work, memory)?;
-        let mut sums = sums.lock().unwrap_or_else(PoisonError::into_inner);
-        sums.0.add(&work.tile);
+        let mut sums = locked();
+        sums.0.put(&work.tile);
         sums.1 += counters;
         Ok(())
     };
+    // Each thread takes the next tile when it is done with one. (An iterator of rayon's would deal out runs of tiles beforehand, and the
+    // last run keeps others waiting.)
+    let next = AtomicUsize::new(0);
     let ended = rayon::broadcast(|_| -> Result<()> {
         let mut memory = E::Memory::default();
-        while let Some(&window) = tiles.get(next.fetch_add(1, Ordering::Relaxed)) {
-            take(&mut memory, window).inspect_err(|_| next.store(tiles.len(), Ordering::Relaxed))?;
+        while let Some((tile, samples)) = pass.shares.get(next.fetch_add(1, Ordering::Relaxed)) {
+            one(&mut memory, tiles[*tile], samples.clone())
+                .inspect_err(|_| next.store(pass.shares.len(), Ordering::Relaxed))?;
         }
         Ok(())
     });
@@ -76,7 +118,7 @@ pub(super) trait Engine: Sync {
     /// What a thread keeps from tile to tile.
     type Memory: Default;
 
-    /// Takes all samples of a tile, those of each pixel in the order of their indices. Asks often whether to stop.
+    /// Takes the samples of a tile that are asked for, those of each pixel in the order of their indices. Asks often whether to stop.
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Self::Memory) -> Result<Counters>;
 }
 
@@ -85,6 +127,10 @@ pub(super) struct Work<'a, A> {
     plan: &'a Plan<'a>,
     eye: &'a Eye<'a, A>,
     tile: Tile,
+    /// Which samples of each pixel.
+    samples: Range<u32>,
+    /// Whether camera rays may be traced in packets that hold one pixel's only.
+    coherent: bool,
     /// Whether nothing is kept but the picture and its coverage.
     plain: bool,
     /// Is told how many samples have been taken.
@@ -92,6 +138,19 @@ pub(super) struct Work<'a, A> {
 }
 
 impl<A> Work<'_, A> {
+    /// How camera rays of packets of `width` are traced. What a coherent packet hits on an edge may depend on its company: never on
+    /// that of other pixels, which may be missing from a crop.
+    fn coherence(&self, width: u32) -> Coherence {
+        let Range { start, end } = self.samples;
+        let whole = self.coherent && start.is_multiple_of(width) && end.is_multiple_of(width);
+        if whole { Coherence::Coherent } else { Coherence::Incoherent }
+    }
+
+    /// Goes through the samples.
+    fn cursor(&self) -> Cursor {
+        Cursor::new(self.tile.window(), self.samples.clone())
+    }
+
     /// Adds samples of one pixel, `first` and those that follow, with what each has brought home. `values` is scratch.
     fn add(
         &mut self,
@@ -105,36 +164,49 @@ impl<A> Work<'_, A> {
         values.clear();
         let samples = (first.index..).zip(found).take(weights.len());
         if self.plain {
-            for (_, Radiance { color, alpha }) in samples {
+            for (_, Radiance { color, alpha, .. }) in samples {
                 values.extend_from_slice(&[color.r, color.g, color.b, alpha]);
             }
         } else {
+            let mut weights = weights.iter();
             samples.for_each(|(index, radiance)| {
-                self.outputs(SampleId { index, ..first }, radiance, values);
+                let id = SampleId { index, ..first };
+                let features = if self.plan.layout.has_features() { self.features(id) } else { None };
+                self.outputs(radiance, features.as_ref(), values);
+                let weight = weights.next().copied().unwrap_or(0.0);
+                if let Some(it) = features {
+                    let (object, material) = (it.object.0, it.material.0);
+                    self.tile.see(id, weight, Seen { object, material, depth: it.depth });
+                }
             });
         }
         self.tile.add_run(first, weights, values);
     }
 
     /// The values that are kept of a sample, in the order of the layout.
-    fn outputs(&self, id: SampleId, radiance: Radiance, values: &mut Vec<f32>)
-    where
-        A: Accel,
-    {
-        let layout = &self.plan.layout;
-        let features = if layout.has_features() { self.features(id) } else { None };
-        for aov in layout.aovs() {
-            let of = |value: fn(&Features) -> [f32; 3]| features.as_ref().map_or([0.0; 3], value);
+    fn outputs(&self, radiance: Radiance, features: Option<&Features>, values: &mut Vec<f32>) {
+        for aov in self.plan.layout.aovs() {
+            let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value);
             match aov {
                 Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
+                Aov::Direct => values.extend([radiance.direct.r, radiance.direct.g, radiance.direct.b]),
+                Aov::Indirect => {
+                    let rest = radiance.color - radiance.direct;
+                    values.extend([rest.r, rest.g, rest.b]);
+                }
                 Aov::Alpha => values.push(radiance.alpha),
                 Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
                 Aov::Normal => values.extend(of(|it| it.normal.to_array())),
                 Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
-                Aov::Depth => values.push(features.as_ref().map_or(0.0, |it| it.depth)),
+                Aov::Depth => values.push(features.map_or(0.0, |it| it.depth)),
                 Aov::Position => values.extend(of(|it| it.position.to_array())),
-                Aov::Uv => values.extend(features.as_ref().map_or([0.0; 2], |it| it.uv.to_array())),
-                Aov::Variance | Aov::Samples => {}
+                Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array())),
+                Aov::Variance
+                | Aov::Samples
+                | Aov::ObjectId
+                | Aov::MaterialId
+                | Aov::CryptoObject
+                | Aov::CryptoMaterial => {}
             }
         }
     }
@@ -165,16 +237,16 @@ impl<I: Integrator> Engine for OneByOne<'_, I> {
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, _memory: &mut ()) -> Result<Counters> {
         let (mut worker, mut values) = (Worker::default(), Vec::new());
-        let (plan, spp) = (work.plan, work.plan.scene.render.spp);
-        for id in Cursor::new(work.tile.window(), spp) {
+        let (plan, samples) = (work.plan, work.samples.clone());
+        for id in work.cursor() {
             let pixel = [id.x, id.y];
             let sampler = plan.start(pixel, id.index);
             let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
             let camera = CameraRay { ray: Ray::new(o.into(), d.into()).at_time(time), found: None };
             let found = self.0.li(&work.eye.stage(time), &camera, &sampler, &mut worker);
             work.add(id, &[weight], [found].into_iter(), &mut values);
-            if id.index + 1 == spp {
-                work.report(u64::from(spp))?;
+            if id.index + 1 == samples.end {
+                work.report(samples.len() as u64)?;
             }
         }
         Ok(worker.counters)
@@ -186,8 +258,6 @@ pub(super) struct InStreams<'a, I> {
     pub(super) integrator: &'a I,
     /// Samples that are taken together.
     pub(super) size: u32,
-    /// Of the rays of a pixel.
-    pub(super) coherence: Coherence,
 }
 
 /// Samples that are taken together.
@@ -206,7 +276,7 @@ impl<I: Integrator> Engine for InStreams<'_, I> {
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, memory: &mut Together) -> Result<Counters> {
         let mut worker = Worker { deferred: Some(Deferred::default()), ..Worker::default() };
-        let mut cursor = Cursor::new(work.tile.window(), work.plan.scene.render.spp);
+        let mut cursor = work.cursor();
         loop {
             memory.runs.clear();
             memory.runs.extend(cursor.runs(self.size));
@@ -234,7 +304,7 @@ impl<I: Integrator> InStreams<'_, I> {
             rays.push(&Ray::new(o.into(), d.into()).at_time(time));
             weights.push(weight);
         }
-        accel.intersect_stream(rays, hits, self.coherence);
+        accel.intersect_stream(rays, hits, work.coherence(PACKET));
         found.clear();
         for (i, SampleId { x, y, index }) in runs.iter().flat_map(ids).enumerate() {
             if let Some(deferred) = &mut worker.deferred {
@@ -278,7 +348,7 @@ impl Engine for InBatches<'_> {
 
     fn tile<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch) -> Result<Counters> {
         let mut counters = Counters::default();
-        let mut cursor = Cursor::new(work.tile.window(), work.plan.scene.render.spp);
+        let mut cursor = work.cursor();
         loop {
             batch.runs.clear();
             batch.runs.extend(cursor.runs(self.size));
@@ -298,7 +368,8 @@ impl InBatches<'_> {
         if work.plan.scene.has_media() {
             wave.set_media(|time| work.eye.stage(time).eye_media);
         }
-        self.path.follow(&work.eye.stage(0.0), wave, counters);
+        let coherence = work.coherence(self.path.width());
+        self.path.follow(&work.eye.stage(0.0), wave, coherence, counters);
         let mut at = 0;
         for &(first, count) in &*runs {
             let samples = at..at + count as usize;

@@ -303,6 +303,8 @@ record! {
         exposure_ev: f32 = 0.0, unit("stops"), min(-100.0), max(100.0);
         /// How radiance beyond white is shown in the PNG preview.
         tone: Tone = Tone::Filmic;
+        /// Whether the outputs `albedo` and `normal` are of what polished surfaces show, as denoisers want them, instead of the first surface.
+        follow_polished: bool = true;
     }
 }
 
@@ -352,8 +354,8 @@ record! {
         query: Option<Query>;
         /// What the integrator `view` shows.
         view: View = View::ShadingNormals;
-        /// Samples per pixel.
-        spp: u32 = 16, min(1.0), max(16_777_216.0);
+        /// Samples per pixel; absent: 16, or 65536 at most where time or error are to end the picture.
+        spp: Option<u32>, min(1.0), max(16_777_216.0);
         /// Longest path followed, in edges: 1 sees emission only, 2 adds direct light.
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
@@ -380,6 +382,12 @@ record! {
 }
 
 impl Render {
+    /// Samples per pixel.
+    #[must_use]
+    pub fn spp(&self) -> u32 {
+        self.spp.unwrap_or(16)
+    }
+
     /// Shadow rays to each light that has a size, at the first hits.
     #[must_use]
     pub fn light_samples(&self) -> u32 {

@@ -1,6 +1,7 @@
 //! The frozen scene: what rendering reads.
 
 use crate::camera::Camera;
+use crate::film::Names;
 use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
@@ -32,6 +33,8 @@ pub struct Scene {
     /// How light passes through glass towards shadow rays: never straight where the scene has no glass, which makes
     /// those rays cheaper.
     pub glass_shadows: GlassShadows,
+    /// What placements and materials are called: by their own names, by the names in their files, or by their numbers.
+    pub names: Names,
     pub(super) surfaces: Vec<Surface>,
     pub(super) environment: Option<LightId>,
 }

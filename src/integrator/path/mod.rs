@@ -25,7 +25,7 @@ pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
 use crate::integrator::cone::Beam;
-use crate::integrator::{Counters, Stage};
+use crate::integrator::{Counters, DIRECT, Stage};
 use crate::material::{Crossing, Media};
 use crate::math::Rgb;
 use crate::math::lanes::{Isa, Level, Scalar};
@@ -45,10 +45,10 @@ pub struct Path {
     sampler: SamplerKind,
     seed: u32,
     level: Level,
-    /// Whether all rays of a packet come from one pixel.
-    whole: bool,
     /// Whether rays from surface to surface are traced as packets.
     bounces_in_packets: bool,
+    /// Whether direct light is told apart.
+    splits: bool,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
@@ -63,12 +63,15 @@ impl Path {
         (sampler, seed): (SamplerKind, u32),
         (level, bounces_in_packets): (Level, bool),
     ) -> Self {
-        let (max_depth, spp) = (scene.render.max_depth, scene.render.spp as usize);
-        // The rays of a coherent packet are traced together, and what they hit on an edge may depend on their company:
-        // never on other pixels, which may be missing from a crop.
-        let whole = spp % level.width() == 0;
+        let max_depth = scene.render.max_depth;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, whole, bounces_in_packets }
+        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets, splits: false }
+    }
+
+    /// The same, which tells direct light apart.
+    #[must_use]
+    pub fn splitting(self, splits: bool) -> Self {
+        Self { splits, ..self }
     }
 
     /// What paths are followed with.
@@ -77,8 +80,20 @@ impl Path {
         self.level
     }
 
-    /// Follows all samples of a batch to their ends.
-    pub fn follow<A: Accel>(&self, stage: &Stage<'_, A>, wave: &mut Wave, counters: &mut Counters) {
+    /// Camera rays of a packet.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        u32::try_from(self.level.width()).unwrap_or(1)
+    }
+
+    /// Follows all samples of a batch to their ends. `coherence` is that of the camera's rays.
+    pub fn follow<A: Accel>(
+        &self,
+        stage: &Stage<'_, A>,
+        wave: &mut Wave,
+        coherence: Coherence,
+        counters: &mut Counters,
+    ) {
         let around = Surroundings {
             scene: stage.scene,
             lights: &self.lights,
@@ -86,8 +101,9 @@ impl Path {
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,
-            coherence: if self.whole { Coherence::Coherent } else { Coherence::Incoherent },
+            coherence,
             bounces_in_packets: self.bounces_in_packets,
+            splits: self.splits,
             media: stage.scene.has_media(),
             absorbs: stage.scene.absorbs(),
             turns: stage.turns(),
@@ -143,6 +159,10 @@ fn follow<A: Accel, S: Isa, const N: usize>(
         }
         wave.paths.rays.len = to;
         keep_guard(stage, wave, counters);
+        if around.splits && depth == DIRECT {
+            // Rays towards lights from here are of one edge more.
+            wave.slots.direct.clone_from(&wave.slots.sum);
+        }
         light_up::<A, N>(stage, wave, counters);
         if to == 0 {
             break;

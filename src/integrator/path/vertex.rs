@@ -31,6 +31,8 @@ pub(super) struct Surroundings<'a> {
     /// Of the camera's rays.
     pub(super) coherence: Coherence,
     pub(super) bounces_in_packets: bool,
+    /// Whether direct light is told apart.
+    pub(super) splits: bool,
     /// Whether any surface bounds a medium.
     pub(super) media: bool,
     /// Whether any medium absorbs light.

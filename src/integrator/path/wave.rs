@@ -291,6 +291,8 @@ pub(super) struct Slots {
     pub(super) index: IndexColumn,
     /// What the path has brought home.
     pub(super) sum: Vec<Rgb<f32>>,
+    /// What of it came by few edges; empty where nobody wants to know.
+    pub(super) direct: Vec<Rgb<f32>>,
     /// Whether it met a surface.
     pub(super) met: Vec<bool>,
     /// What the path is inside of; empty where the scene has no media.
@@ -351,6 +353,7 @@ impl Wave {
             column.reserve(len);
         }
         self.slots.sum.clear();
+        self.slots.direct.clear();
         self.slots.met.clear();
         self.slots.media.clear();
         self.paths.rays.len = 0;
@@ -402,6 +405,8 @@ impl Wave {
     /// What sample number `i` of the batch has brought home.
     #[must_use]
     pub fn radiance(&self, i: usize) -> Radiance {
-        Radiance { color: self.slots.sum[i], alpha: if self.slots.met[i] { 1.0 } else { 0.0 } }
+        let color = self.slots.sum[i];
+        let direct = self.slots.direct.get(i).copied().unwrap_or(color);
+        Radiance { color, direct, alpha: if self.slots.met[i] { 1.0 } else { 0.0 } }
     }
 }

@@ -18,7 +18,7 @@ use std::path::PathBuf;
 impl Builder {
     pub(super) fn add_lights(&mut self, lights: &[Located<description::Light>]) {
         use description::Light as Described;
-        for light in lights {
+        for (number, light) in lights.iter().enumerate() {
             match &light.value {
                 &Described::Point { position, intensity } => {
                     let position = self.origin.place(position);
@@ -63,18 +63,16 @@ impl Builder {
                     self.add_environment(sky, *scale, rotate_deg.to_radians(), &light.place);
                 }
             }
+            self.name(format!("light_{number}"));
         }
     }
 
     /// Adds a light with its surface; without power it is a black surface.
     fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>, origin: &Place) {
         let emission = Some(Emission { radiance: Texture::Constant(radiance), two_sided: false });
-        let material = self.add_material(Material {
-            scattering: Scattering::Black,
-            emission,
-            relief: None,
-            opacity: None,
-        });
+        let name = format!("emission_{}", self.materials.len());
+        let material = Material { scattering: Scattering::Black, emission, relief: None, opacity: None };
+        let material = self.add_material(name, material);
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material], origin);
         self.surfaces[placement.index()].light = self.add_light(light);

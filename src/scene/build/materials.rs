@@ -19,7 +19,7 @@ impl Builder {
         let plain: Vec<Option<Material>> = materials.iter().map(|named| self.plain(named)).collect();
         for (named, own) in materials.iter().zip(&plain) {
             let material = own.clone().unwrap_or_else(|| self.mix(named, materials, &plain));
-            self.add_material(material);
+            self.add_material(named.name.clone(), material);
             self.material_names.push(named.name.clone());
         }
     }

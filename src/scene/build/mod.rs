@@ -19,6 +19,7 @@ mod way;
 
 use crate::bsdf::FresnelModel;
 use crate::error::{Place, Problem, Problems, Result};
+use crate::film::Names;
 use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
@@ -66,6 +67,7 @@ pub fn build(description: &Description) -> Result<Built> {
         render: description.render.clone(),
         glass_shadows,
         surfaces: builder.surfaces,
+        names: builder.names,
         environment: builder.environment,
     };
     builder.problems.into_result(Built { scene, origins: builder.origins, warnings: builder.warnings })
@@ -78,6 +80,8 @@ struct Builder {
     origin: Origin,
     world: World,
     surfaces: Vec<Surface>,
+    /// Of placements and of materials.
+    names: Names,
     origins: Vec<Place>,
     materials: Vec<Material>,
     /// How reflectance depends on the angle where a material does not say.
@@ -92,8 +96,9 @@ struct Builder {
 }
 
 impl Builder {
-    fn add_material(&mut self, material: Material) -> MaterialId {
+    fn add_material(&mut self, name: String, material: Material) -> MaterialId {
         let id = MaterialId(number(self.materials.len()));
+        self.names.materials.push(name);
         self.materials.push(material);
         id
     }
@@ -106,6 +111,11 @@ impl Builder {
         let id = LightId(number(self.lights.len()));
         self.lights.push(light);
         Some(id)
+    }
+
+    /// Gives the placements that have none yet a name.
+    fn name(&mut self, name: String) {
+        self.names.objects.resize(self.surfaces.len(), name);
     }
 
     /// Places a shape made of `materials`, one per group, as described at `origin`.

@@ -30,6 +30,11 @@ struct Prototype {
     way: Way,
 }
 
+/// What a shape is called in pictures: by its own name, or by its number in the file.
+fn name_of(shape: &description::Shape, number: usize) -> String {
+    shape.name.as_ref().map_or_else(|| format!("shape_{number}"), |name| name.value.clone())
+}
+
 impl Builder {
     pub(super) fn add_shapes(&mut self, shapes: &[Located<description::Shape>]) {
         let by_name: HashMap<&str, &Located<description::Shape>> =
@@ -42,7 +47,8 @@ impl Builder {
             })
             .collect();
         let mut prototypes = HashMap::new();
-        for shape in shapes.iter().filter(|shape| !matches!(shape.form, Form::Instance { .. })) {
+        let numbered = || shapes.iter().enumerate();
+        for (number, shape) in numbered().filter(|(_, shape)| !matches!(shape.form, Form::Instance { .. })) {
             let name = shape.name.as_ref().map(|name| name.value.as_str());
             let is_prototype = name.is_some_and(|name| instanced.contains(name));
             if shape.hidden && !is_prototype {
@@ -53,11 +59,13 @@ impl Builder {
             {
                 prototypes.insert(name, prototype);
             }
+            self.name(name_of(shape, number));
         }
-        for shape in
-            shapes.iter().filter(|shape| matches!(shape.form, Form::Instance { .. }) && !shape.hidden)
-        {
+        let is_seen =
+            |shape: &description::Shape| matches!(shape.form, Form::Instance { .. }) && !shape.hidden;
+        for (number, shape) in numbered().filter(|(_, shape)| is_seen(shape)) {
             self.add_instance(shape, &by_name, &prototypes);
+            self.name(name_of(shape, number));
         }
     }
 
@@ -225,7 +233,7 @@ impl Builder {
         self.textures.lenient = true;
         let material = self.material(&named.value);
         self.textures.lenient = false;
-        self.add_material(material)
+        self.add_material(named.name.clone(), material)
     }
 
     fn material_named(&self, name: &str) -> Option<MaterialId> {

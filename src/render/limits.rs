@@ -1,0 +1,54 @@
+//! When a picture is done, besides having all samples.
+
+use std::time::Duration;
+
+/// What ends a picture before it has all samples. Without any of these it is made in one go.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Limits {
+    /// How long building and tracing may take by the clock. One sample of each pixel is taken in any case.
+    pub time: Option<Duration>,
+    /// The relMSE that is good enough, as `specula diff` measures it against an endless picture: the picture ends when it is below with a
+    /// probability of 95 %, by an estimate from its own samples. Tiles then get as many samples each as it takes.
+    pub error: Option<f64>,
+}
+
+impl Limits {
+    /// Whether there is any.
+    #[must_use]
+    pub fn is_none(&self) -> bool {
+        self.time.is_none() && self.error.is_none()
+    }
+}
+
+/// What ended a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Ended {
+    /// All pixels have all their samples.
+    #[default]
+    Samples,
+    /// The time was over.
+    Time,
+    /// The error is below its target.
+    Error,
+}
+
+/// How far a picture is from an endless one: relMSE, estimated from its own samples.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// What is to be expected.
+    pub error: f64,
+    /// What the true error is below of with a probability of 95 %.
+    pub bound: f64,
+}
+
+impl Ended {
+    /// The word for it.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Time => "time",
+            Self::Error => "error",
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! What ends a picture: time, or the number of samples. It is the picture of the samples that it has, to the bit.
+
+#[path = "support/desk.rs"]
+mod desk;
+#[path = "support/scene.rs"]
+mod scene;
+
+use desk::Desk;
+use scene::scene_of;
+use specula::film::{Aov, Film, Layout};
+use specula::image::exr;
+use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
+use std::time::Duration;
+
+/// A ball of rough copper and one of glass in a room with a lamp.
+fn room(settings: &str) -> String {
+    format!(
+        r#"
+        [camera]
+        from = [0.0, 1.0, 4.0]
+        at = [0.0, 0.8, 0.0]
+        vfov_deg = 50.0
+        [film]
+        width = 37
+        height = 21
+        [render]
+        {settings}
+        [materials.copper]
+        type = "conductor"
+        metal = "Cu"
+        alpha = 0.2
+        [materials.glass]
+        type = "dielectric"
+        [materials.wall]
+        type = "diffuse"
+        reflectance = [0.7, 0.6, 0.5]
+        [[shapes]]
+        type = "sphere"
+        center = [-0.7, 0.5, 0.0]
+        radius = 0.5
+        material = "copper"
+        [[shapes]]
+        type = "sphere"
+        center = [0.7, 0.5, 0.3]
+        radius = 0.5
+        material = "glass"
+        [[shapes]]
+        type = "rectangle"
+        edge_u = [4.0, 0.0, 0.0]
+        edge_v = [0.0, 0.0, -4.0]
+        material = "wall"
+        [[lights]]
+        type = "rectangle"
+        center = [0.0, 3.0, 0.0]
+        edge_u = [0.5, 0.0, 0.0]
+        edge_v = [0.0, 0.0, 0.5]
+        radiance = 9.0
+        "#
+    )
+}
+
+fn rendered(text: &str, limits: Limits) -> Rendered {
+    let layout = Layout::with([Aov::Variance, Aov::Samples, Aov::Depth]);
+    let settings = Settings { layout, limits, ..Settings::default() };
+    render(&scene_of(text), &settings, &Silent).expect("a picture")
+}
+
+fn bits(film: &Film) -> Vec<Vec<u32>> {
+    let all = film.layout().aovs().iter().filter_map(|&aov| film.channels(aov)).flatten();
+    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
+}
+
+fn seconds(seconds: f64) -> Limits {
+    Limits { time: Some(Duration::from_secs_f64(seconds)), error: None }
+}
+
+const WAYS: [(&str, &str); 5] = [
+    ("path", "single"),
+    ("path", "packet"),
+    ("path", "stream"),
+    ("whitted", "single"),
+    ("distribution", "stream"),
+];
+
+#[test]
+fn a_picture_that_time_ended_is_that_of_its_samples() {
+    for (integrator, query) in WAYS {
+        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"");
+        let stopped = rendered(&room(&settings), seconds(0.25));
+        assert_eq!(stopped.statistics.ended, Ended::Time, "{settings}");
+        let [least, most] = stopped.film.samples_of_pixels();
+        assert!(least == most && most > 0, "{settings}: all pixels have the same: {least}, {most}");
+        println!("{integrator}, {query}: {most} samples");
+        let whole = rendered(&room(&format!("{settings}\nspp = {most}")), Limits::default());
+        assert_eq!(whole.statistics.ended, Ended::Samples, "{settings}");
+        assert!(bits(&stopped.film) == bits(&whole.film), "{settings}: {most} samples");
+        assert_eq!(stopped.statistics.counters, whole.statistics.counters, "{settings}: rays");
+    }
+}
+
+#[test]
+fn time_that_is_not_needed_changes_nothing() {
+    for sampler in ["sobol", "stratified", "blue_noise"] {
+        for spp in [5, 32] {
+            let text = room(&format!("integrator = \"path\"\nsampler = \"{sampler}\"\nspp = {spp}"));
+            let (limited, plain) = (rendered(&text, seconds(3600.0)), rendered(&text, Limits::default()));
+            assert_eq!(limited.statistics.ended, Ended::Samples, "{sampler}, {spp}");
+            assert!(bits(&limited.film) == bits(&plain.film), "{sampler}, {spp}");
+        }
+    }
+}
+
+#[test]
+fn one_sample_is_taken_however_little_time_there_is() {
+    let stopped = rendered(&room("integrator = \"whitted\""), seconds(1e-9));
+    assert_eq!(stopped.statistics.ended, Ended::Time, "no time");
+    assert_eq!(stopped.film.samples_of_pixels(), [1, 1], "one each");
+    let whole = rendered(&room("integrator = \"whitted\"\nspp = 1"), Limits::default());
+    assert!(bits(&stopped.film) == bits(&whole.film), "the first");
+}
+
+#[test]
+fn the_program_tells_what_ended_the_picture() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("a.toml"), room("integrator = \"path\"")).expect("a scene");
+    let words = ["render", "a.toml", "-o", "a.exr", "--stats", "a.json", "--time-limit", "300ms"];
+    let (status, _, said) = desk.run(&words);
+    assert_eq!(status, 0, "{said}");
+    assert!(said.contains("the time was over"), "{said}");
+    let text = std::fs::read_to_string(desk.path("a.json")).expect("written");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(stats["ended_by"], "time", "{stats}");
+    assert_eq!(stats["time_limit_s"], 0.3, "{stats}");
+    let spp = stats["spp"].as_u64().expect("a number");
+    assert_eq!(stats["samples_per_pixel"]["min"].as_u64(), Some(spp), "{stats}");
+    assert_eq!(stats["samples"].as_u64(), Some(spp * 37 * 21), "{stats}");
+    let picture = exr::read(&desk.path("a.exr")).expect("readable");
+    assert_eq!(picture.attribute("specula:spp"), Some(spp.to_string().as_str()), "samples taken");
+    assert_eq!(picture.attribute("specula:samples"), Some(format!("0..{spp}").as_str()), "which");
+    assert_eq!(picture.attribute("specula:ended_by"), Some("time"), "why");
+    let (status, _, said) = desk.run(&["render", "a.toml", "-o", "a.exr", "--spp", "3", "--stats", "b.json"]);
+    assert_eq!(status, 0, "{said}");
+    let text = std::fs::read_to_string(desk.path("b.json")).expect("written");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!((&stats["ended_by"], &stats["spp"]), (&"samples".into(), &3.into()), "{stats}");
+    for wrong in ["0", "-1", "fast", "3d"] {
+        let (status, _, said) = desk.run(&["render", "a.toml", "-o", "c.exr", "--time-limit", wrong]);
+        assert!(status == 2 && said.contains("--time-limit") && said.contains("90s"), "{status}: {said}");
+    }
+}
