@@ -9,10 +9,11 @@ use crate::light::{
 };
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
+use crate::sampling::TableError;
 use crate::scene::build::{Builder, forms, number, steps, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::texture::Texture;
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 use std::path::PathBuf;
 
 impl Builder {
@@ -95,10 +96,9 @@ impl Builder {
             Err(problem) => return self.problems.push(problem),
         };
         let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else { return };
-        let triangles = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
-        match MeshArea::new(triangles) {
-            Ok(surface) => {
-                let light = Light::Mesh(Area { surface, radiance, two_sided: false });
+        let triangles: Vec<_> = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
+        match of_triangles(triangles, radiance, false) {
+            Ok(light) => {
                 let groups = mesh.group_count();
                 self.add_shining(Shape::Mesh(mesh), light, radiance, place);
                 // A file's own materials do not matter to a light.
@@ -139,4 +139,16 @@ impl Builder {
         };
         self.environment = self.add_light(Light::Environment(environment));
     }
+}
+
+/// A light made of triangles that shine alike: a rectangle where two of them make up one.
+pub(super) fn of_triangles(
+    triangles: Vec<[Vec3; 3]>,
+    radiance: Rgb<f32>,
+    two_sided: bool,
+) -> Result<Light, TableError> {
+    if let Some(surface) = RectangleArea::of_triangles(&triangles) {
+        return Ok(Light::Rectangle(Area { surface, radiance, two_sided }));
+    }
+    Ok(Light::Mesh(Area { surface: MeshArea::new(triangles)?, radiance, two_sided }))
 }
