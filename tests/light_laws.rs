@@ -175,11 +175,11 @@ fn panel(center: Point3, u: Point3, v: Point3) -> ([Light; 3], [Point3; 4]) {
     let e = a.lerp(b, 0.4);
     let few = MeshArea::new(vec![[a, e, d], [e, c, d], [e, b, c]]).expect("has area");
     let row = |i: u16| {
-        let [l, r] = [f32::from(i) / 6.0, f32::from(i + 1) / 6.0];
+        let [l, r] = [f32::from(i) / 8.0, f32::from(i + 1) / 8.0];
         let [p, q, s, t] = [a.lerp(b, l), a.lerp(b, r), d.lerp(c, r), d.lerp(c, l)];
         [[p, q, s], [p, s, t]]
     };
-    let many = MeshArea::new((0..6).flat_map(row).collect()).expect("has area");
+    let many = MeshArea::new((0..8).flat_map(row).collect()).expect("has area");
     let lights = [
         Light::Rectangle(Area { surface: rectangle, radiance, two_sided: false }),
         Light::Mesh(Area { surface: few, radiance, two_sided: false }),
@@ -288,7 +288,7 @@ fn parts_of_a_mesh_are_drawn_from_by_themselves() {
     let at = Reference { p: from.into(), n: UP };
     let all = lambert(&corners.map(|corner| corner.as_dvec3() - from.as_dvec3()), n);
     let mut sum = 0.0;
-    for part in 0..12 {
+    for part in 0..16 {
         let found = Estimate::of(pairs(400 + part).map(|u2| {
             let sample = many.sample_part(at, Some(part), u2);
             let emitter = Emitter { p: sample.p.into(), ng: Point3::NEG_Y, prim: part };
@@ -631,5 +631,39 @@ fn poles_and_seam_are_finite() {
         let sample = light.sample(at(0.0, 0.0, 0.0), u2);
         assert!(!sample.valid || (sample.pdf > 0.0 && sample.pdf.is_finite()), "{u2:?}: {sample:?}");
         assert!(sample.wi.length2().is_finite() && sample.li.is_finite(), "{u2:?}: {sample:?}");
+    }
+}
+
+#[test]
+fn a_sun_of_one_pixel_is_drawn_as_it_shines() {
+    // In the middle, at both sides of the seam, beside it, and at both poles.
+    for (i, [x, y]) in [[9, 4], [0, 3], [31, 9], [30, 6], [5, 0], [17, 15]].into_iter().enumerate() {
+        let mut image = Image::new(32, 16);
+        image.set_pixel(x, y, Rgb::new(300.0, 200.0, 100.0));
+        let environment = map(image, 1.0, 0.4);
+        // All of its light, by midpoints.
+        let (columns, rows) = (640_u16, 640_u16);
+        let mut expected = 0.0;
+        for j in 0..rows {
+            let (sin, cos) = (std::f32::consts::PI * (f32::from(j) + 0.5) / f32::from(rows)).sin_cos();
+            for k in 0..columns {
+                let phi = std::f32::consts::TAU * (f32::from(k) + 0.5) / f32::from(columns);
+                let radiance = environment.radiance(Point3::new(sin * phi.cos(), cos, sin * phi.sin()));
+                expected += f64::from(radiance.g * sin) * 2.0 * PI * PI / 640.0 / 640.0;
+            }
+        }
+        let light = Light::Environment(environment);
+        let found = Estimate::of(pairs(500 + i as u32).map(|u2| {
+            // Both hemispheres, so that all directions count.
+            let [up, down] = [UP, -UP].map(|n| light.sample(Reference { p: ORIGIN, n }, u2));
+            let sample = if up.valid { up } else { down };
+            let off = light.pdf(at(0.0, 0.0, 0.0), sample.wi, None) / sample.pdf - 1.0;
+            assert!(sample.li.g < 0.5 || off.abs() < 1e-3, "pixel {x} {y}: density of {sample:?}: {off}");
+            if sample.valid { f64::from(sample.li.g / sample.pdf) } else { 0.0 }
+        }));
+        assert!((found.mean / expected - 1.0).abs() < 2e-3, "pixel {x} {y}: {found:?}, not {expected}");
+        let spread = found.error * f64::from(SAMPLES).sqrt() / found.mean;
+        let most = if y == 0 || y == 15 { 0.8 } else { 0.25 };
+        assert!(spread < most, "pixel {x} {y}: a sample is off by {spread}");
     }
 }
