@@ -57,7 +57,7 @@ pub trait SampleArea {
 }
 
 /// Squared distance in squared radii of a surface up to which it looks large: see `benches/record/lights.md`.
-pub(super) const NEAR: f32 = 16.0;
+pub(super) const NEAR: f32 = 36.0;
 
 /// Below this solid angle, in sr, nothing depends on how points are drawn.
 pub(super) const TINY: f32 = 1e-5;

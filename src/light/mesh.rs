@@ -14,7 +14,7 @@ use crate::texture::Texture;
 const ROWS: u32 = 4;
 
 /// The most triangles that are all looked at from every reference point.
-const FEW: usize = 8;
+const FEW: usize = 12;
 
 /// Triangles.
 #[derive(Clone, Debug)]
@@ -81,11 +81,18 @@ impl MeshArea {
         Ok(Self { rows: triangles.iter().flat_map(row).collect(), areas, choice, area, paint: None, seat })
     }
 
-    /// The same triangles with a radiance that changes over these surface parameters of their corners.
+    /// The same triangles with a radiance that changes over these surface parameters of their corners. Each is chosen in proportion to
+    /// what it gives off; within a triangle points are drawn however bright they are.
     #[must_use]
     pub fn painted(self, uvs: &[[glam::Vec2; 3]], radiance: Texture) -> Self {
+        let brightness: Vec<f32> = uvs.iter().map(|corners| brightness(corners, &radiance)).collect();
+        let powers = || self.areas.iter().zip(&brightness).map(|(area, bright)| area * bright);
+        // What has been looked at in a few places only is not dark for sure.
+        let least = 0.05 * powers().sum::<f32>() / self.area;
+        let weights: Vec<f32> = powers().zip(&self.areas).map(|(power, area)| power + least * area).collect();
+        let choice = Table1d::new(&weights).unwrap_or_else(|_| self.choice.clone());
         let uvs = uvs.iter().flatten().flat_map(|uv| uv.to_array()).collect();
-        Self { paint: Some(Paint { uvs, radiance }), ..self }
+        Self { paint: Some(Paint { uvs, radiance }), choice, ..self }
     }
 
     /// Whether its triangles are better chosen one by one.
@@ -130,14 +137,14 @@ impl MeshArea {
         }
         let zero = like.splat(0.0);
         let (mut each, mut all) = ([zero; FEW], zero);
-        for i in 0..self.areas.len().min(FEW) {
+        for (i, (own, area)) in each.iter_mut().zip(&self.areas).enumerate() {
             let way = |corner: Vec3<F>| (corner - asked.from).scale(seat.inverse);
             let ways = [way(self.same(like, i, 0)), way(self.same(like, i, 1)), way(self.same(like, i, 2))];
-            let twice = 2.0 * self.areas[i] * seat.inverse * seat.inverse;
+            let twice = 2.0 * area * seat.inverse * seat.inverse;
             let volume = ways[0].dot(self.same(like, i, 3)) * twice;
             let angle = SphericalTriangle::new(ways, volume).solid_angle();
-            each[i] = if asked.two_sided { angle } else { F::select(volume.lt(0.0), angle, zero) };
-            all += each[i];
+            *own = if asked.two_sided { angle } else { F::select(volume.lt(0.0), angle, zero) };
+            all += *own;
         }
         Some((each, all, is_near & all.gt(TINY)))
     }
@@ -180,6 +187,18 @@ impl Seat {
         let exists = reach2.is_normal() && (inverse * inverse).is_normal();
         exists.then_some(Self { center: center.into(), inverse, reach2 })
     }
+}
+
+/// Mean luminance over a triangle by the surface parameters of its corners, from places that spread evenly over it.
+fn brightness([a, b, c]: &[glam::Vec2; 3], radiance: &Texture) -> f32 {
+    const EDGE: u16 = 8;
+    let cell = |i: u16| (f32::from(i) + 0.5) / f32::from(EDGE);
+    let places = (0..EDGE).flat_map(|i| (0..EDGE).map(move |j| [cell(i), cell(j)]));
+    let at = |u2: [f32; 2]| {
+        let [x, y, z] = warp::triangle(u2);
+        radiance.at::<f32>((*a * x + *b * y + *c * z).to_array()).luminance()
+    };
+    places.map(at).sum::<f32>() / f32::from(EDGE * EDGE)
 }
 
 fn area_of([a, b, c]: &[glam::Vec3; 3]) -> f32 {

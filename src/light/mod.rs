@@ -12,6 +12,7 @@ mod environment;
 mod mesh;
 mod rectangle;
 mod sphere;
+pub mod tree;
 
 pub use area::{Area, Asked, Density, SampleArea, SurfacePoint};
 pub use delta::{Directional, Point, Spot, spot_cosines};
@@ -20,6 +21,7 @@ pub use environment::{Environment, EnvironmentMap};
 pub use mesh::MeshArea;
 pub use rectangle::RectangleArea;
 pub use sphere::SphereLight;
+pub use tree::LightTree;
 
 use crate::math::lanes::{Isa, Lanes};
 use crate::math::{Rgb, Vec3};

@@ -58,7 +58,7 @@ impl Phase {
 }
 
 /// How a rendering went.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
     /// Rays and cuts.
     pub counters: Counters,

@@ -26,7 +26,7 @@ impl Part for Illumination {
         for (who, light) in &self.lights {
             table.put_light(who, at, light.sample(at, [u, v]));
             if *who == "strip" {
-                let part = (u * 12.0).to_int();
+                let part = (u * 14.0).to_int();
                 table.put_light("part of a strip", at, light.sample_part(at, Some(part), [v, u]));
             }
         }

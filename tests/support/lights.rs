@@ -21,7 +21,7 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
     };
     let strip = {
         let p = |i: u16| P::new(f32::from(i) * 0.3, 4.0 + f32::from(i) * 0.1, f32::from(i % 2));
-        MeshArea::new((0..12).map(|i| [p(i), p(i + 1), p(i + 2)]).collect()).expect("has area")
+        MeshArea::new((0..14).map(|i| [p(i), p(i + 1), p(i + 2)]).collect()).expect("has area")
     };
     let pixels = (0..128_u16).map(|i| Rgb::gray(f32::from(i % 13))).collect();
     let picture =
