@@ -90,7 +90,9 @@ impl Media {
         self.top().map_or(i32::MIN, |entry| entry.priority)
     }
 
-    fn ior(&self) -> f32 {
+    /// The index of refraction there; 1 in the open.
+    #[must_use]
+    pub fn ior(&self) -> f32 {
         self.top().map_or(1.0, |entry| entry.ior)
     }
 

@@ -195,6 +195,32 @@ choice! {
     }
 }
 
+/// A number, or the word `off`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knob<T> {
+    /// Not in use.
+    Off,
+    /// In use, with this value.
+    At(T),
+}
+
+impl<T> Knob<T> {
+    /// The value, if it is in use.
+    #[must_use]
+    pub fn value(self) -> Option<T> {
+        if let Self::At(value) = self { Some(value) } else { None }
+    }
+}
+
+impl<T: std::fmt::Display> std::fmt::Display for Knob<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Off => f.write_str("off"),
+            Self::At(value) => value.fmt(f),
+        }
+    }
+}
+
 /// A width of facets that may vary over a surface, then alike in all directions.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Roughness {
@@ -360,6 +386,15 @@ record! {
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
         min_throughput: f32 = 1e-3, min(0.0), max(1.0);
+        /// The length in edges from which paths that carry less than a quarter of what reaches the pixel may end at random, or `off`; what
+        /// survives counts for the others, so that pictures stay right in the mean.
+        roulette: Knob<u32> = Knob::At(3), min(1.0), max(65536.0);
+        /// The most luminance, in W/(sr m^2), that any one piece of light may bring to a sample of a path after more than one
+        /// bounce, or `off`: takes bright specks away, and light that belongs to the picture; statistics tell how much.
+        clamp_indirect: Knob<f32> = Knob::Off, above(0.0), max(1e20);
+        /// How a path chooses the light that it asks at a surface; absent: by a tree where more than one emitter is
+        /// somewhere, else by power, as `specula plan` says.
+        light_choice: Option<LightChoice>;
         /// Shadow rays to each light that has a size, at the first hits; absent: 2 under `distribution`, else 1.
         light_samples: Option<u32>, min(1.0), max(65536.0);
         /// Rays of each glossy lobe, at the first hits; absent: 2 under `distribution`, else 1.
@@ -412,6 +447,18 @@ choice! {
         "path" => Path,
         /// A property of the first surface, for looking at a scene.
         "view" => View,
+    }
+}
+
+choice! {
+    /// How a path chooses the light that it asks at a surface.
+    pub enum LightChoice {
+        /// In proportion to power, wherever the surface is.
+        "power" => Power,
+        /// All alike.
+        "uniform" => Uniform,
+        /// By distance, direction and intensity, through a tree over all emitters.
+        "tree" => Tree,
     }
 }
 

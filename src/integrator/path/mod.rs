@@ -21,6 +21,7 @@ mod surfaces;
 mod vertex;
 mod wave;
 
+pub use lights::ChosenLights;
 pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
@@ -49,6 +50,10 @@ pub struct Path {
     bounces_in_packets: bool,
     /// Whether direct light is told apart.
     splits: bool,
+    /// The length from which paths may end at random.
+    roulette: Option<u32>,
+    /// The most luminance of a piece of indirect light.
+    limit: Option<f32>,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
@@ -65,7 +70,20 @@ impl Path {
     ) -> Self {
         let max_depth = scene.render.max_depth;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets, splits: false }
+        let (roulette, limit) = (scene.render.roulette.value(), scene.render.clamp_indirect.value());
+        let splits = false;
+        Self {
+            lights,
+            surfaces,
+            max_depth,
+            sampler,
+            seed,
+            level,
+            bounces_in_packets,
+            splits,
+            roulette,
+            limit,
+        }
     }
 
     /// The same, which tells direct light apart.
@@ -101,6 +119,8 @@ impl Path {
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,
+            roulette: self.roulette,
+            limit: self.limit,
             coherence,
             bounces_in_packets: self.bounces_in_packets,
             splits: self.splits,
@@ -137,6 +157,8 @@ fn follow<A: Accel, S: Isa, const N: usize>(
     for depth in 1..=around.max_depth {
         wave.shadows.rays.len = 0;
         wave.shadows.absorbed = 0;
+        // What is met at the third edge has bounced twice.
+        wave.slots.limit = around.limit.filter(|_| depth > 2);
         let (len, mut to) = (wave.paths.rays.len, 0);
         for at in (0..len).step_by(N) {
             let count = (len - at).min(N);
@@ -163,12 +185,18 @@ fn follow<A: Accel, S: Isa, const N: usize>(
             // Rays towards lights from here are of one edge more.
             wave.slots.direct.clone_from(&wave.slots.sum);
         }
+        // Rays towards lights are an edge more.
+        wave.slots.limit = around.limit.filter(|_| depth > 1);
         light_up::<A, N>(stage, wave, counters);
         if to == 0 {
             break;
         }
         vertex = vertex.child(0);
         coherence = Coherence::Incoherent;
+    }
+    if around.limit.is_some() {
+        counters.clamped += wave.slots.clamped;
+        counters.unclamped += wave.slots.luminance();
     }
 }
 
@@ -204,7 +232,7 @@ fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave, cou
         for (lane, end) in packet.t_max.iter().enumerate().take(count) {
             if *end >= 0.0 {
                 let [r, g, b] = shadows.light.get(at + lane);
-                slots.sum[shadows.rays.slot.all()[at + lane] as usize] += Rgb::new(r, g, b);
+                slots.bring(shadows.rays.slot.all()[at + lane], Rgb::new(r, g, b));
             }
         }
     }
