@@ -5,7 +5,8 @@
 use crate::one_of_each::{each_lobe, lobes};
 use specula::bsdf::choice::{Answer, Question, answer};
 use specula::bsdf::{Bsdf, Lobe, Spread};
-use specula::light::{Light, LightSample, Reference};
+use specula::light::tree::Drawn;
+use specula::light::{Light, LightId, LightSample, LightTree, Reference};
 use specula::math::lanes::{IntLanes, Isa, Kernel, Lanes, Level, MaskLanes};
 use specula::math::{Rgb, Vec3};
 use specula::sampling::{Dim, Sampler, SamplerKind, Vertex};
@@ -61,20 +62,41 @@ fn value<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, both: [Vec3<S::F>; 2]) -> Rgb<
     isa.run(Value(lobe, both))
 }
 
-/// A point that a light is asked for.
-struct Shine<'a, F>(&'a Light, Reference<F>, [F; 2]);
+/// A point that a light, or a part of it, is asked for.
+struct Shine<'a, F: Lanes>(&'a Light, Reference<F>, Option<F::Int>, [F; 2]);
 
 impl<S: Isa> Kernel<S> for Shine<'_, S::F> {
     type Output = LightSample<S::F>;
     #[inline(always)]
     fn run(self, _isa: S) -> LightSample<S::F> {
+        self.0.sample_part(self.1, self.2, self.3)
+    }
+}
+
+#[inline(never)]
+fn shine<S: Isa>(
+    isa: S,
+    (light, part): (&Light, Option<S::I>),
+    at: Reference<S::F>,
+    u2: [S::F; 2],
+) -> LightSample<S::F> {
+    isa.run(Shine(light, at, part, u2))
+}
+
+/// A leaf of a tree of lights.
+struct Pick<'a, F>(&'a LightTree, Reference<F>, F);
+
+impl<S: Isa> Kernel<S> for Pick<'_, S::F> {
+    type Output = Drawn<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Drawn<S::F> {
         self.0.sample(self.1, self.2)
     }
 }
 
 #[inline(never)]
-fn shine<S: Isa>(isa: S, light: &Light, at: Reference<S::F>, u2: [S::F; 2]) -> LightSample<S::F> {
-    isa.run(Shine(light, at, u2))
+fn pick<S: Isa>(isa: S, tree: &LightTree, at: Reference<S::F>, u: S::F) -> Drawn<S::F> {
+    isa.run(Pick(tree, at, u))
 }
 
 /// The numbers of a sample.
@@ -99,6 +121,7 @@ fn numbers<S: Isa>(isa: S, kind: SamplerKind, pixel: [S::I; 2], index: S::I) -> 
 pub(crate) struct Everything<'a> {
     pub(crate) lobes: &'a [Bsdf<f32>],
     pub(crate) lights: &'a [(&'static str, Light)],
+    pub(crate) tree: &'a LightTree,
 }
 
 impl<S: Isa> Kernel<S> for Everything<'_> {
@@ -121,9 +144,12 @@ impl<S: Isa> Kernel<S> for Everything<'_> {
             sum = sum + told.lit.r + told.step.pdf + told.step.weight.g + asked.b;
         }
         for (_, one) in self.lights {
-            let told = shine(isa, one, Reference { p: wo, n: light }, [x, c]);
-            sum = sum + told.pdf + told.li.r + told.wi.x;
+            for part in [None, Some(isa.splat_u32(0))] {
+                let told = shine(isa, (one, part), Reference { p: wo, n: light }, [x, c]);
+                sum = sum + told.pdf + told.li.r + told.wi.x;
+            }
         }
+        sum += pick(isa, self.tree, Reference { p: wo, n: light }, x).probability;
         sum.extract(0)
     }
 }
@@ -140,5 +166,7 @@ fn samplers() -> [SamplerKind; 4] {
 /// Runs them all at one width.
 pub(crate) fn everything(level: Level, lights: &[(&'static str, Light)]) -> f32 {
     let lobes: Vec<_> = lobes().into_iter().map(|(_, lobe)| lobe).collect();
-    level.run(Everything { lobes: &lobes, lights })
+    let numbered = (0..).map(LightId).zip(lights.iter().map(|(_, light)| light));
+    let tree = LightTree::new(numbered).expect("emitters");
+    level.run(Everything { lobes: &lobes, lights, tree: &tree })
 }
