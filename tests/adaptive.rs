@@ -88,11 +88,11 @@ fn every_pixel_is_that_of_its_samples_on_any_number_of_threads() {
         "integrator = \"whitted\"\nquery = \"stream\"",
         "sampler = \"independent\"\nbackend = \"bvh2\"",
     ] {
-        let text = ALL[3].text(SIZE, settings).replacen("integrator = \"path\"\ninteg", "integ", 1);
-        let film = rendered(&text, until(0.02), 1).film;
+        let text = ALL[3].text([112, 64], settings).replacen("integrator = \"path\"\ninteg", "integ", 1);
+        let film = rendered(&text, until(0.06), 1).film;
         for threads in [2, 5] {
             assert!(
-                bits(&rendered(&text, until(0.02), threads).film) == bits(&film),
+                bits(&rendered(&text, until(0.06), threads).film) == bits(&film),
                 "{settings}: {threads}"
             );
         }
