@@ -29,6 +29,7 @@ fn excess(found: &Shot, reference: &Shot, spp: u32) -> [f64; 3] {
 fn what_is_between_us_and_mitsuba_vanishes_as_samples_grow() {
     let Some(folder) = peers::folder() else { return };
     let mut table = HEAD.to_owned();
+    let mut failed = Vec::new();
     for name in ["cornell", "glossyrow"] {
         let reference = Shot::read(&folder.join(name).join("reference.exr"), None);
         for (query, spp) in [("stream", 4), ("single", 8), ("stream", 16), ("stream", 64)] {
@@ -53,21 +54,18 @@ fn what_is_between_us_and_mitsuba_vanishes_as_samples_grow() {
             table += &row(name, spp, &verdict, &remarks);
             // Where noise is given per pixel by the samples themselves, mean squares are off by four errors once in 16 000.
             let their_noise = sample / THEIR_SAMPLES;
-            assert!(
-                (left - their_noise).abs() < 4.0 * error + 0.5 * their_noise,
-                "{name}, {spp} samples: {left} +- {error} is left"
-            );
-            assert!(verdict.bias.abs() < 3e-3, "{name}: means differ by {}", verdict.bias);
+            let is_noise = (left - their_noise).abs() < 4.0 * error + 0.5 * their_noise;
             // Channels share noise, so deviations of the sum are an upper bound: beyond 3.5 once in 2000 pictures.
-            assert!(
-                verdict.bias_deviations < 3.5,
-                "{name}: the picture is {} deviations off",
-                verdict.bias_deviations
-            );
-            // A few samples may miss what is rare, and then tell too little of their noise. Of 3072 numbers, three for a pixel, one pixel is
-            // beyond by chance once in a hundred pictures.
-            assert!(spp < 16 || verdict.beyond <= 3, "{name}, {spp} samples, {query}: {verdict:?}");
+            let means = verdict.bias.abs() < 3e-3 && verdict.bias_deviations < 3.5;
+            // A few samples may miss what is rare, and then tell too little of their noise. Of 3072 numbers, three for a block, one block is
+            // beyond by chance once in a hundred pictures; light by way of the smoothest balls is rare enough for two.
+            let blocks = spp < 16 || verdict.beyond <= 6;
+            if !(is_noise && means && blocks) {
+                failed
+                    .push(format!("{name}, {spp} samples, {query}: {left} +- {error} is left, {verdict:?}"));
+            }
         }
     }
     tell("Peer scenes", &table);
+    assert!(failed.is_empty(), "{failed:#?}");
 }
