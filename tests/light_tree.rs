@@ -122,13 +122,15 @@ fn probabilities_add_up_and_are_those_of_the_draws() {
         }
         let pieces = 100.0 / f64::from(steps);
         assert!((all + none - 1.0).abs() < 1e-4 + pieces, "{at:?}: {all} of leaves, {none} of nothing");
-        (nothing, points) = (nothing + none, points + 1.0);
+        if all > 0.0 {
+            (nothing, points) = (nothing + none, points + 1.0);
+        }
         for (count, &leaf) in counts.iter().zip(tree.leaves()) {
             let told = f64::from(tree.probability(at, leaf));
             assert!((count - told).abs() <= 1.5 / f64::from(steps), "{leaf:?}: {count}, not {told}");
         }
     }
-    assert!(nothing < 0.15 * points, "{nothing} of {points} draws in vain");
+    assert!(nothing < 0.2 * points, "{nothing} of {points} draws in vain");
 }
 
 #[test]
