@@ -89,7 +89,7 @@ fn help_lists_the_commands_and_version_the_version() {
 #[test]
 fn wrong_words_end_with_status_2_and_say_what_to_do() {
     let place = place();
-    let cases: [(&[&str], &[&str]); 22] = [
+    let cases: [(&[&str], &[&str]); 25] = [
         (&[], &["Usage"]),
         (&["rendr", "ball.toml"], &["rendr", "render"]),
         (&["render"], &["<SCENE>"]),
@@ -101,6 +101,9 @@ fn wrong_words_end_with_status_2_and_say_what_to_do() {
         (&["render", "ball.toml", "--integrator", "whited"], &["whited", "whitted"]),
         (&["render", "ball.toml", "--backend", "abacus"], &["abacus", "embree"]),
         (&["render", "ball.toml", "--min-throughput", "2"], &["min_throughput"]),
+        (&["render", "ball.toml", "--roulette", "never"], &["render.roulette", "or `off`"]),
+        (&["render", "ball.toml", "--clamp-indirect", "0"], &["render.clamp_indirect", "above 0"]),
+        (&["render", "ball.toml", "--light-choice", "trees"], &["trees", "tree"]),
         (&["render", "ball.toml", "--width", "0"], &["film.width"]),
         (&["render", "ball.toml", "--crop", "1,2,3"], &["--crop", "x0,y0,x1,y1"]),
         (&["render", "ball.toml", "--crop", "0,0,25,16"], &["crop", "24"]),
@@ -196,6 +199,31 @@ fn flags_override_the_scene_and_the_metadata_tell() {
     for (key, value) in wanted {
         assert_eq!(picture.attribute(key), Some(value), "{key}");
     }
+}
+
+#[test]
+fn knobs_of_paths_are_told() {
+    let place = place();
+    let words = ["render", "ball.toml", "-q", "-o", "a.exr", "--stats", "a.json", "--integrator", "path"];
+    let knobs = ["--roulette", "off", "--clamp-indirect", "0.01", "--light-choice", "uniform"];
+    let (status, _, stderr) = place.run(&[&words[..], &knobs].concat());
+    assert_eq!(status, 0, "{stderr}");
+    let picture = exr::read(&place.path("a.exr")).expect("a picture");
+    let wanted = [
+        ("specula:roulette", "off"),
+        ("specula:clamp_indirect", "0.01"),
+        ("specula:light_choice", "uniform"),
+    ];
+    for (key, value) in wanted {
+        assert_eq!(picture.attribute(key), Some(value), "{key}");
+    }
+    let text = std::fs::read_to_string(place.path("a.json")).expect("statistics");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let part = stats["clamped"]["part"].as_f64().expect("a part");
+    assert!((0.0..1.0).contains(&part), "{part}");
+    let told = picture.attribute("specula:clamped_part").and_then(|text| text.parse::<f64>().ok());
+    assert_eq!(told, Some(part), "the same in both");
+    assert_eq!(stats["pruned"]["by_roulette"], 0, "none died");
 }
 
 #[test]

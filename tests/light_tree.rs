@@ -102,17 +102,14 @@ fn leaves_are_all_emitters() {
 fn probabilities_add_up_and_are_those_of_the_draws() {
     let lights = lights();
     let tree = tree_of(&lights);
-    let mut lost = 0;
+    let (mut nothing, mut points) = (0.0, 0.0);
     for at in references(60) {
         let all: f64 = tree.leaves().iter().map(|&leaf| f64::from(tree.probability(at, leaf))).sum();
-        if all == 0.0 {
-            lost += 1;
-        } else {
-            assert!((all - 1.0).abs() < 1e-4, "{at:?}: {all}");
-        }
+        assert!(all < 1.0 + 1e-4, "{at:?}: {all}");
         // Numbers at equal steps: how many lead to a leaf is its probability to within the ends of its piece.
         let steps = 1_u16 << 12;
-        let mut counts = vec![0.0_f64; tree.leaves().len()];
+        // A group may seem to matter of which no part does: the walk ends there, with nothing.
+        let (mut counts, mut none) = (vec![0.0_f64; tree.leaves().len()], 0.0);
         for i in 0..steps {
             let drawn = tree.sample(at, (f32::from(i) + 0.5) / f32::from(steps));
             if drawn.probability > 0.0 {
@@ -120,15 +117,20 @@ fn probabilities_add_up_and_are_those_of_the_draws() {
                 let told = tree.probability(at, tree.leaves()[drawn.leaf as usize]);
                 assert!((told / drawn.probability - 1.0).abs() < 1e-5, "{told} for {drawn:?}");
             } else {
-                assert!(all < 1e-4 || all == 0.0, "{at:?}: nothing drawn where there is something");
+                none += 1.0 / f64::from(steps);
             }
+        }
+        let pieces = 100.0 / f64::from(steps);
+        assert!((all + none - 1.0).abs() < 1e-4 + pieces, "{at:?}: {all} of leaves, {none} of nothing");
+        if all > 0.0 {
+            (nothing, points) = (nothing + none, points + 1.0);
         }
         for (count, &leaf) in counts.iter().zip(tree.leaves()) {
             let told = f64::from(tree.probability(at, leaf));
             assert!((count - told).abs() <= 1.5 / f64::from(steps), "{leaf:?}: {count}, not {told}");
         }
     }
-    assert!(lost < 10, "{lost} points see nothing");
+    assert!(nothing < 0.2 * points, "{nothing} of {points} draws in vain");
 }
 
 #[test]

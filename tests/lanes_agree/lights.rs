@@ -3,7 +3,7 @@
 use crate::lights_list::lights;
 use crate::{Part, Table, agree, viewer};
 use specula::light::{Light, LightSample, Reference};
-use specula::math::lanes::Lanes;
+use specula::math::lanes::{Isa, Kernel, Lanes};
 use specula::math::{Frame, Vec3};
 
 #[test]
@@ -24,13 +24,30 @@ impl Part for Illumination {
         let n = Frame::about(Vec3::new(zero, one, zero)).to_world(viewer(input));
         let at = Reference { p: Vec3::new(x * 3.0, y * 3.0, k.min(2.0)), n };
         for (who, light) in &self.lights {
-            table.put_light(who, at, light.sample(at, [u, v]));
-            if *who == "strip" {
-                let part = (u * 14.0).to_int();
-                table.put_light("part of a strip", at, light.sample_part(at, Some(part), [v, u]));
+            let parts: &[bool] = if *who == "strip" { &[false, true] } else { &[false] };
+            for is_part in parts {
+                let part = if *is_part { Some((v * 14.0).to_int()) } else { None };
+                table.put_light(who, at, ask(light, at, part, [u, v]));
             }
         }
     }
+}
+
+/// A light, or a part of it, asked from points.
+struct Ask<'a, F: Lanes>(&'a Light, Reference<F>, Option<F::Int>, [F; 2]);
+
+impl<S: Isa> Kernel<S> for Ask<'_, S::F> {
+    type Output = LightSample<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> LightSample<S::F> {
+        self.0.sample_part(self.1, self.2, self.3)
+    }
+}
+
+/// A function of its own per instruction set, as a renderer has it.
+#[inline(never)]
+fn ask<F: Lanes>(light: &Light, at: Reference<F>, part: Option<F::Int>, u2: [F; 2]) -> LightSample<F> {
+    u2[0].isa().run(Ask(light, at, part, u2))
 }
 
 impl Table {
