@@ -10,7 +10,7 @@ mod random;
 #[path = "support/statistics.rs"]
 mod statistics;
 
-use glam::Vec3 as Point3;
+use glam::{DVec3, Vec3 as Point3};
 use random::Random;
 use specula::geometry::{Disc, Sphere};
 use specula::image::Image;
@@ -131,6 +131,197 @@ fn the_square_shines_as_its_form_factor_says() {
         let found = irradiance(&light, at, i as u32);
         assert!(found.agrees_with(2.0 * PI * form_factor), "case {i}: {found:?}, not 2 pi {form_factor}");
         assert!(found.error < 0.005 * found.mean, "case {i}: {found:?} shows nothing");
+    }
+}
+
+/// Irradiance of a polygon of radiance 1, by its corners as seen from the reference point (Lambert 1760, Photometria).
+fn lambert(corners: &[DVec3], n: DVec3) -> f64 {
+    let mut above = Vec::new();
+    for (i, &a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let [ha, hb] = [a.dot(n), b.dot(n)];
+        if ha >= 0.0 {
+            above.push(a);
+        }
+        if (ha < 0.0) != (hb < 0.0) {
+            above.push(a + (b - a) * (ha / (ha - hb)));
+        }
+    }
+    let edges = (0..above.len()).map(|i| (above[i], above[(i + 1) % above.len()]));
+    let sum: f64 = edges
+        .map(|(a, b)| {
+            let across = a.cross(b);
+            let angle = across.length().atan2(a.dot(b));
+            if across.length() > 0.0 { angle * across.normalize().dot(n) } else { 0.0 }
+        })
+        .sum();
+    (0.5 * sum).abs()
+}
+
+/// The solid angle of a triangle by its corners as seen from the reference point (van Oosterom and Strackee 1983).
+fn solid_angle_of([a, b, c]: [DVec3; 3]) -> f64 {
+    let [la, lb, lc] = [a, b, c].map(DVec3::length);
+    let under = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+    2.0 * a.dot(b.cross(c)).abs().atan2(under)
+}
+
+/// A rectangle and its triangles, both as lights, and its corners.
+fn panel(center: Point3, u: Point3, v: Point3) -> ([Light; 3], [Point3; 4]) {
+    let corners = [center - u - v, center + u - v, center + u + v, center - u + v];
+    let [a, b, c, d] = corners;
+    let radiance = Rgb::WHITE;
+    let rectangle = RectangleArea::new(center, u, v);
+    // As a mesh that is no rectangle to the renderer, and as one that is asked by its triangles.
+    let e = a.lerp(b, 0.4);
+    let few = MeshArea::new(vec![[a, e, d], [e, c, d], [e, b, c]]).expect("has area");
+    let row = |i: u16| {
+        let [l, r] = [f32::from(i) / 8.0, f32::from(i + 1) / 8.0];
+        let [p, q, s, t] = [a.lerp(b, l), a.lerp(b, r), d.lerp(c, r), d.lerp(c, l)];
+        [[p, q, s], [p, s, t]]
+    };
+    let many = MeshArea::new((0..8).flat_map(row).collect()).expect("has area");
+    let lights = [
+        Light::Rectangle(Area { surface: rectangle, radiance, two_sided: false }),
+        Light::Mesh(Area { surface: few, radiance, two_sided: false }),
+        Light::Mesh(Area { surface: many, radiance, two_sided: false }),
+    ];
+    (lights, corners)
+}
+
+/// Reference points on the side on which a panel of half edges u and v about the origin shines, in units of its size: near and far, beside
+/// it, close to its plane and in it, close to its middle, its edges and its corners.
+const PLACES: [[f32; 3]; 14] = [
+    [0.1, 0.2, 1.0],
+    [0.3, -0.4, 0.1],
+    [0.2, 0.1, 1e-3],
+    [0.999, 0.3, 1e-2],
+    [1.0, 0.5, 0.2],
+    [1.0, 1.0, 1e-2],
+    [1.001, -1.001, 1e-4],
+    [2.0, 0.5, 0.1],
+    [-2.0, -1.5, 0.01],
+    [3.0, 2.0, 1e-4],
+    [1.5, 0.0, 0.0],
+    [0.0, 3.0, 3.0],
+    [30.0, -10.0, 20.0],
+    [400.0, 3.0, 1.0],
+];
+
+#[test]
+fn panels_light_as_lambert_says_from_everywhere() {
+    let mut random = Random::new(7);
+    for (size, ratio) in [(1.0_f32, 1.0_f32), (1e-6, 1.0), (1e6, 0.5), (1.0, 0.01)] {
+        for place in PLACES {
+            // The panel turned at random about the origin; the receiver turned towards it, and away by up to a right angle.
+            let z = Point3::from(random.direction());
+            let x = z.any_orthonormal_vector();
+            let y = z.cross(x);
+            let ([u, v], center) = ([x * size, y * size * ratio], Point3::ZERO);
+            let p = (x * place[0] + y * place[1] * ratio + z * place[2]) * size;
+            let towards = (center - p).normalize();
+            let n = (towards + Point3::from(random.direction()) * 0.9).normalize();
+            let at = Reference { p: p.into(), n: n.into() };
+            let (lights, corners) = panel(center, u, v);
+            let seen = corners.map(|corner| corner.as_dvec3() - p.as_dvec3());
+            let expected = lambert(&seen, n.as_dvec3());
+            for (i, light) in lights.iter().enumerate() {
+                let found = irradiance(light, at, 200 + i as u32);
+                // A receiver next to a light that is drawn from by area learns little, and its error not at all.
+                let is_sure = i < 2 && place[2] > 0.0;
+                let rounding = 2e-4 * expected + 1e-7;
+                let off = (found.mean - expected).abs();
+                assert!(
+                    !is_sure || off <= 4.5 * found.error + rounding,
+                    "light {i} of {size} x {ratio} at {place:?}: {found:?}, not {expected}"
+                );
+                assert!(found.mean.is_finite(), "light {i} of {size} x {ratio} at {place:?}: {found:?}");
+                let is_large = i < 2 && place[2] > 0.0 && place[0].abs() < 2.5;
+                assert!(
+                    !is_large || found.error <= 0.02 * expected.max(0.05),
+                    "light {i} of {size} x {ratio} at {place:?}: {found:?} is noise"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn near_panels_are_drawn_from_by_solid_angle() {
+    let [u, v] = [Point3::X, Point3::Z * 0.6];
+    let (lights, [a, b, _, d]) = panel(Point3::Y, u, v);
+    for place in [[0.1, 0.0, 0.2], [0.9, 0.9, 0.5], [-0.2, 0.99, -0.3], [2.0, 0.8, 0.5], [0.6, 0.9999, 0.0]] {
+        let from = Point3::from(place);
+        let at = Reference { p: from.into(), n: UP };
+        for (i, light) in lights.iter().take(2).enumerate() {
+            let (bins, mut counts) = (8_usize, vec![0.0; 64]);
+            for u2 in pairs(300 + i as u32) {
+                let p = Point3::from(light.sample(at, u2).p) - a;
+                let [s, t] = [b - a, d - a].map(|edge| p.dot(edge) / edge.length_squared());
+                let bin = |x: f32| ((x * 8.0) as usize).min(bins - 1);
+                counts[bin(t) * bins + bin(s)] += 1.0;
+            }
+            let corner = |s: usize, t: usize| {
+                let [s, t] = [s, t].map(|k| k as f64 / bins as f64);
+                (a.as_dvec3() + (b - a).as_dvec3() * s + (d - a).as_dvec3() * t) - from.as_dvec3()
+            };
+            let cell = |(s, t): (usize, usize)| {
+                let [p, q, r, w] = [corner(s, t), corner(s + 1, t), corner(s + 1, t + 1), corner(s, t + 1)];
+                solid_angle_of([p, q, r]) + solid_angle_of([p, r, w])
+            };
+            let angles: Vec<f64> = (0..64).map(|k| cell((k % bins, k / bins))).collect();
+            let total: f64 = angles.iter().sum();
+            let expected: Vec<f64> = angles.iter().map(|angle| angle / total * f64::from(SAMPLES)).collect();
+            let (statistic, cells) = statistics::chi_square(&counts, &expected);
+            let tail = statistics::chi_square_tail(statistic, cells - 1);
+            assert!(tail > 1e-4, "light {i} from {place:?}: chi-square {statistic} in {cells} cells");
+            let sample = light.sample(at, [0.3, 0.7]);
+            let off = f64::from(sample.pdf) * total - 1.0;
+            assert!(off.abs() < 1e-4, "light {i} from {place:?}: density {} of {total} sr", sample.pdf);
+        }
+    }
+}
+
+#[test]
+fn parts_of_a_mesh_are_drawn_from_by_themselves() {
+    let ([_, _, many], corners) = panel(Point3::Y, Point3::X, Point3::Z);
+    let (from, n) = (Point3::new(0.2, 0.5, 0.1), DVec3::Y);
+    let at = Reference { p: from.into(), n: UP };
+    let all = lambert(&corners.map(|corner| corner.as_dvec3() - from.as_dvec3()), n);
+    let mut sum = 0.0;
+    for part in 0..16 {
+        let found = Estimate::of(pairs(400 + part).map(|u2| {
+            let sample = many.sample_part(at, Some(part), u2);
+            let emitter = Emitter { p: sample.p.into(), ng: Point3::NEG_Y, prim: part };
+            let pdf = many.pdf_part(at, sample.wi, Some(&emitter));
+            assert!(!sample.valid || (pdf / sample.pdf - 1.0).abs() < 2e-5, "{pdf} for {sample:?}");
+            if sample.valid { f64::from(sample.wi.dot(at.n) / sample.pdf) } else { 0.0 }
+        }));
+        assert!(found.error < 1e-3 * all, "part {part}: {found:?}");
+        sum += found.mean;
+    }
+    assert!((sum / all - 1.0).abs() < 2e-3, "{sum}, not {all}");
+}
+
+#[test]
+fn two_triangles_are_a_rectangle_if_they_make_one_up() {
+    let [a, b, c, d] = [[0.0, 1.0, 0.0], [2.0, 1.0, 0.0], [2.0, 1.0, 1.0], [0.0, 1.0, 1.0]].map(Point3::from);
+    let whole = RectangleArea::of_triangles(&[[a, b, c], [d, a, c]]).expect("a rectangle");
+    let area = Area { surface: whole, radiance: Rgb::WHITE, two_sided: false };
+    let power = Light::Rectangle(area).power(1.0);
+    assert!((power - 2.0 * std::f32::consts::PI).abs() < 1e-5, "{power}");
+    // Its normal is theirs: downwards, as (b - a) x (c - a).
+    let light = Light::Rectangle(Area { surface: whole, radiance: Rgb::WHITE, two_sided: false });
+    assert!(light.sample(at(1.0, 0.0, 0.5), [0.2, 0.8]).valid, "shines downwards");
+    let skewed = d + Point3::X * 0.1;
+    for (what, triangles) in [
+        ("opposite sides", vec![[a, b, c], [d, c, a]]),
+        ("no right angle", vec![[a, b, c], [skewed, a, c]]),
+        ("apart", vec![[a, b, c], [d, a, c + Point3::X]]),
+        ("one", vec![[a, b, c]]),
+        ("twice the same", vec![[a, b, c], [a, b, c]]),
+        ("folded", vec![[a, b, c], [d + Point3::Y * 0.5, a, c]]),
+    ] {
+        assert!(RectangleArea::of_triangles(&triangles).is_none(), "{what}");
     }
 }
 
@@ -440,5 +631,39 @@ fn poles_and_seam_are_finite() {
         let sample = light.sample(at(0.0, 0.0, 0.0), u2);
         assert!(!sample.valid || (sample.pdf > 0.0 && sample.pdf.is_finite()), "{u2:?}: {sample:?}");
         assert!(sample.wi.length2().is_finite() && sample.li.is_finite(), "{u2:?}: {sample:?}");
+    }
+}
+
+#[test]
+fn a_sun_of_one_pixel_is_drawn_as_it_shines() {
+    // In the middle, at both sides of the seam, beside it, and at both poles.
+    for (i, [x, y]) in [[9, 4], [0, 3], [31, 9], [30, 6], [5, 0], [17, 15]].into_iter().enumerate() {
+        let mut image = Image::new(32, 16);
+        image.set_pixel(x, y, Rgb::new(300.0, 200.0, 100.0));
+        let environment = map(image, 1.0, 0.4);
+        // All of its light, by midpoints.
+        let (columns, rows) = (640_u16, 640_u16);
+        let mut expected = 0.0;
+        for j in 0..rows {
+            let (sin, cos) = (std::f32::consts::PI * (f32::from(j) + 0.5) / f32::from(rows)).sin_cos();
+            for k in 0..columns {
+                let phi = std::f32::consts::TAU * (f32::from(k) + 0.5) / f32::from(columns);
+                let radiance = environment.radiance(Point3::new(sin * phi.cos(), cos, sin * phi.sin()));
+                expected += f64::from(radiance.g * sin) * 2.0 * PI * PI / 640.0 / 640.0;
+            }
+        }
+        let light = Light::Environment(environment);
+        let found = Estimate::of(pairs(500 + i as u32).map(|u2| {
+            // Both hemispheres, so that all directions count.
+            let [up, down] = [UP, -UP].map(|n| light.sample(Reference { p: ORIGIN, n }, u2));
+            let sample = if up.valid { up } else { down };
+            let off = light.pdf(at(0.0, 0.0, 0.0), sample.wi, None) / sample.pdf - 1.0;
+            assert!(sample.li.g < 0.5 || off.abs() < 1e-3, "pixel {x} {y}: density of {sample:?}: {off}");
+            if sample.valid { f64::from(sample.li.g / sample.pdf) } else { 0.0 }
+        }));
+        assert!((found.mean / expected - 1.0).abs() < 2e-3, "pixel {x} {y}: {found:?}, not {expected}");
+        let spread = found.error * f64::from(SAMPLES).sqrt() / found.mean;
+        let most = if y == 0 || y == 15 { 0.8 } else { 0.25 };
+        assert!(spread < most, "pixel {x} {y}: a sample is off by {spread}");
     }
 }

@@ -170,7 +170,7 @@ const CASES: &[Case] = &[
             "scene.toml:2:5: missing key `type`; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
             "scene.toml:3:14: `type` is an integer; it must be `diffuse`, `oren_nayar`, `mirror`, `conductor`, `dielectric`, `thin_dielectric`, `glossy`, `phong`, `jitter`, `glazed`, `schlick`, `mix` or `emission`",
             "scene.toml:4:35: `exponent` is -1; it must be a number from 0 to 1e9",
-            "scene.toml:4:39: unknown key `shine`; known are `emission`, `normal_map`, `opacity`, `type`, `exponent`, `reflectance`, `diffuse` and `below`",
+            "scene.toml:4:39: unknown key `shine`; known are `emission`, `normal_map`, `bump`, `opacity`, `type`, `exponent`, `reflectance`, `diffuse` and `below`",
             "scene.toml:5:39: `reflectance` is a string; it must be a colour: one number or [r, g, b], each from 0 to 1, or a texture { file = \"..\" } or { checker = [.., ..] }",
             "scene.toml:6:43: `reflectance` is 2; it must be a number from 0 to 1",
             "scene.toml:7:51: `checker` is an array of three; it must be an array of two, each a colour: one number or [r, g, b], each from 0 to 1",

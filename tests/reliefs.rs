@@ -126,3 +126,58 @@ fn mirrored_parameters_mirror_the_relief() {
         assert!((found - expected(n)).abs() < 1e-4, "{way}: {found}, not {}", expected(n));
     }
 }
+
+/// A slope of 64 by 8 texels, each 2/255 above its left neighbour.
+fn slope(folder: &Folder, name: &str) {
+    let ramp = image::GrayImage::from_fn(64, 8, |x, _| image::Luma([u8::try_from(2 * x).expect("small")]));
+    ramp.save(folder.path().join(name)).expect("written");
+}
+
+#[test]
+fn a_plane_whose_heights_grow_is_as_bright_as_one_that_leans() {
+    let folder = folder();
+    slope(&folder, "slope.png");
+    let leaning = |slope: f32| glam::Vec3::new(-slope, 0.0, 1.0);
+    // 64 by 8 texels over two by two metres: texels are 1/32 by 1/4 m, as wide as their root on average.
+    let texel = (2.0_f32 / 64.0 * 2.0 / 8.0).sqrt();
+    let per_metre = 2.0 / 255.0 * 32.0;
+    let cases = [
+        ("bump = { file = \"slope.png\", height = 0.0 }", leaning(0.0)),
+        ("bump = { file = \"slope.png\", height = 1.5 }", leaning(1.5 * per_metre)),
+        ("bump = { file = \"slope.png\", height = -1.5 }", leaning(-1.5 * per_metre)),
+        ("bump = { file = \"slope.png\", strength = 20 }", leaning(20.0 * texel * per_metre)),
+        // Half as wide, as often repeated: twice as steep in metres, as steep in texels but for the mean of their edges.
+        (
+            "bump = { file = \"slope.png\", height = 1.5, repeat = [2, 1], offset = [0.3, 0] }",
+            leaning(3.0 * per_metre),
+        ),
+        (
+            "bump = { file = \"slope.png\", strength = 20, repeat = [2, 1], offset = [0.3, 0] }",
+            leaning(20.0 * texel * 2.0_f32.sqrt() * per_metre),
+        ),
+    ];
+    for way in WAYS {
+        for (material, n) in cases {
+            let found = value(&picture(&folder.scene(&lit(way, material, UPRIGHT))));
+            assert!((found - expected(n)).abs() < 1e-4, "{way}, {material}: {found}, not {}", expected(n));
+        }
+    }
+}
+
+#[test]
+fn mtl_files_bring_heights_and_normals_by_the_same_name() {
+    let folder = folder();
+    slope(&folder, "slope.png");
+    let square = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n";
+    folder.write("bumpy.obj", &format!("mtllib bumpy.mtl\n{square}usemtl m\nf 1/1 2/2 3/3 4/4\n"));
+    let text = lit(WAYS[1], "", UPRIGHT)
+        .replace("type = \"rectangle\"", "type = \"mesh\"\nfile = \"bumpy.obj\"")
+        .replace(UPRIGHT, "")
+        .replace("        material = \"m\"\n", "");
+    let steep = 20.0 * (2.0_f32 / 64.0 * 2.0 / 8.0).sqrt() * 2.0 / 255.0 * 32.0;
+    for (map, n) in [("-bm 20 slope.png", glam::Vec3::new(-steep, 0.0, 1.0)), ("lean.png", leaning())] {
+        folder.write("bumpy.mtl", &format!("newmtl m\nKd 0.5 0.5 0.5\nmap_Bump {map}\n"));
+        let found = value(&picture(&folder.scene(&text)));
+        assert!((found - expected(n)).abs() < 1e-4, "{map}: {found}, not {}", expected(n));
+    }
+}

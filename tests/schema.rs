@@ -159,7 +159,7 @@ const GOOD: &[&str] = &[
      { time_s = 1.5, transform = [{ scale = 2 }, { translate = [1, 0, 0] }] }]",
     "[film]\nwidth = 1\nheight = 65536\nfilter = 'box'\nfilter_radius = 0.5\nexposure_ev = -2\ntone = 'clip'",
     "[render]\nintegrator = 'view'\nview = 'cost'\nspp = 1\nmax_depth = 2\nmin_throughput = 0\nbackend = 'brute'\n\
-     sampler = 'independent'\nglass_shadows = 'opaque'\nseed = 9223372036854775807",
+     sampler = 'independent'\nglass_shadows = 'opaque'\ndirect = 'light'\nseed = 9223372036854775807",
     "[render]\nsampler = 'sobol'",
     "[render]\nsampler = 'stratified'\nspp = 7",
     "[render]\nsampler = 'blue_noise'",

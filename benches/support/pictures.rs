@@ -1,5 +1,7 @@
 //! Pictures of scenes at a small size, and how far they are from each other.
 
+#![allow(dead_code, reason = "each bench uses a part")]
+
 use specula::error::Result;
 use specula::image::{Decoded, Image, Range, Window};
 use specula::measure::{Errors, Pair};

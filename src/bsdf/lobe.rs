@@ -145,9 +145,16 @@ impl<F: Lanes> Lobe<F> for RoughDielectric<F> {
     }
     #[inline(always)]
     fn glossy_albedo(&self, wo: Vec3<F>) -> [F; 2] {
-        // Roughness spreads the angles that facets are met at: neither way is ever out of the question but beyond the
-        // critical angle of a nearly smooth surface.
-        let reflected = self.glass.at(wo.z).reflectance.clamp(0.05, 0.95);
+        // Roughness spreads the angles that facets are met at, which matters most about the critical angle: the mean over level facets
+        // and those that lean towards the viewer and away, as large as they are seen.
+        let (cos, lean) = (wo.z, self.facets.lean());
+        let sin = (-cos.square() + 1.0).max(0.0).sqrt();
+        let length = (lean.square() + 1.0).rsqrt();
+        let (near, far) = ((cos + sin * lean) * length, ((cos - sin * lean) * length).max(0.0));
+        let seen = |cos: F| cos * self.glass.at(cos.min(1.0)).reflectance;
+        let reflected = (seen(cos) * 2.0 + seen(near) + seen(far)) / (cos * 2.0 + near + far);
+        // Neither way is ever out of the question.
+        let reflected = reflected.clamp(0.05, 0.95);
         [reflected, -reflected + 1.0]
     }
 }

@@ -10,7 +10,7 @@ use clap_complete::Shell;
 use crate::bench::{self, Class};
 use crate::film::Aov;
 use crate::measure::Metric;
-use crate::scene::description::{Backend, Fresnel, Integrator, Query, Sampler, View};
+use crate::scene::description::{Backend, Fresnel, Integrator, LightChoice, Query, Sampler, View};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -112,6 +112,18 @@ pub struct RenderArgs {
     /// Do not follow branches that carry less than this part of what reaches the pixel
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     pub min_throughput: Option<String>,
+
+    /// Paths of N edges and more that carry little may end at random; `off` for never
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub roulette: Option<String>,
+
+    /// Limit the luminance of any one piece of indirect light of paths: no bright specks, too little light; or `off`
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub clamp_indirect: Option<String>,
+
+    /// How paths choose the light that they ask: by power, all alike, or through a tree over all emitters
+    #[arg(long, value_name = "NAME", value_parser = Words::of(LightChoice::ALL, LightChoice::word))]
+    pub light_choice: Option<String>,
 
     /// Shadow rays to each light that has a size, at the first hits of a camera ray
     #[arg(long, value_name = "N", allow_negative_numbers = true)]

@@ -8,7 +8,9 @@ use serde_json::{Value, json};
 use super::args::PlanArgs;
 use super::{log, output};
 use crate::error::{Problem, Result};
+use crate::integrator::ChosenLights;
 use crate::render::{self, Chosen};
+use crate::scene::description::{Integrator, LightChoice};
 use crate::scene::needs::capability::Capability;
 use crate::scene::needs::{Need, Needs, length};
 use crate::scene::{self, Built, Scene};
@@ -93,6 +95,9 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
     line("backend", &backend_use(scene, needs).join("; "));
     let Chosen { query, why } = render::query(scene);
     line("query", &format!("{}: {why}", query.word()));
+    if let Some(lights) = lights(scene) {
+        line("lights", &lights);
+    }
     let (required, left_out): (Vec<&Need>, Vec<&Need>) =
         needs.capabilities.iter().partition(|need| need.count > 0);
     text += &table(&required, &left_out);
@@ -101,6 +106,18 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
         warnings.iter().for_each(|warning| _ = writeln!(text, "  {warning}"));
     }
     text
+}
+
+/// How paths choose the light that they ask, where there is a choice.
+fn lights(scene: &Scene) -> Option<String> {
+    let ChosenLights { choice, emitters } = ChosenLights::of(scene);
+    let is_asked = scene.render.integrator == Integrator::Path && emitters > 1;
+    let why = match choice {
+        LightChoice::Tree => "chosen by distance, direction and intensity",
+        LightChoice::Power => "chosen by power",
+        LightChoice::Uniform => "all alike",
+    };
+    is_asked.then(|| format!("{}: {emitters} emitters, {why}", choice.word()))
 }
 
 /// Where coordinates are counted from, if not from the origin of the scene's files.
@@ -140,6 +157,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
             "means": what,
         })
     };
+    let lights = ChosenLights::of(scene);
     let bounds = (!needs.bounds.is_empty())
         .then(|| [needs.bounds.min, needs.bounds.max].map(|p| (p.as_dvec3() + scene.origin).to_array()))
         .map(|[min, max]| json!({ "min": min, "max": max }));
@@ -161,6 +179,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         "spp": scene.render.spp(),
         "integrator": scene.render.integrator.word(),
         "backend": { "name": scene.render.backend.word(), "uses": backend_use(scene, needs) },
+        "light_choice": { "name": lights.choice.word(), "emitters": lights.emitters },
         "query": { "name": render::query(scene).query.word(), "why": render::query(scene).why },
         "capabilities": needs.capabilities.iter().map(capability).collect::<Vec<_>>(),
         "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),

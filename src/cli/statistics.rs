@@ -7,9 +7,10 @@ use serde_json::{Value, json};
 
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
+use crate::integrator::ChosenLights;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
-use crate::scene::description::Integrator;
+use crate::scene::description::{Integrator, Knob};
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -36,6 +37,8 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         ("filter", scene.film.filter.word().to_owned()),
         ("max_depth", settings.max_depth.to_string()),
         ("min_throughput", settings.min_throughput.to_string()),
+        ("roulette", settings.roulette.to_string()),
+        ("clamp_indirect", settings.clamp_indirect.to_string()),
         ("backend", statistics.backend.clone()),
         ("isa", statistics.isa.clone()),
         ("threads", statistics.threads.to_string()),
@@ -52,7 +55,14 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         entries
             .extend([("estimated_relmse", error.to_string()), ("estimated_relmse_bound", bound.to_string())]);
     }
+    if settings.integrator == Integrator::Path {
+        let lights = ChosenLights::of(scene);
+        entries.push(("light_choice", lights.choice.word().to_owned()));
+    }
     entries.push(("query", render::query(scene).query.word().to_owned()));
+    if settings.clamp_indirect != Knob::Off {
+        entries.push(("clamped_part", statistics.counters.clamped_part().to_string()));
+    }
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
@@ -120,7 +130,12 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
             "total": counters.rays(),
         },
         "rays_per_s": rate(counters.rays(), statistics.render.wall),
-        "pruned": { "by_depth": counters.cut_by_depth, "by_attenuation": counters.cut_by_attenuation },
+        "pruned": {
+            "by_depth": counters.cut_by_depth,
+            "by_attenuation": counters.cut_by_attenuation,
+            "by_roulette": counters.cut_by_roulette,
+        },
+        "clamped": clamped(scene, rendered),
         "peak_rss_bytes": peak_memory(),
         "bvh_bytes": statistics.hierarchy_bytes,
         "texture_bytes": scene.texture_bytes(),
@@ -135,6 +150,15 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
 #[expect(clippy::cast_precision_loss, reason = "a mean")]
 fn mean(rendered: &Rendered) -> f64 {
     rendered.film.samples() as f64 / rendered.film.window().area() as f64
+}
+
+/// What a limit on indirect light took away, if there was one: the mean luminance of a sample, and the part of all light.
+#[expect(clippy::cast_precision_loss, reason = "a mean")]
+fn clamped(scene: &Scene, rendered: &Rendered) -> Option<Value> {
+    let limit = scene.render.clamp_indirect.value()?;
+    let counters = &rendered.statistics.counters;
+    let luminance = counters.clamped / rendered.statistics.samples.max(1) as f64;
+    Some(json!({ "limit": limit, "luminance": luminance, "part": counters.clamped_part() }))
 }
 
 /// How many samples pixels have, in words.

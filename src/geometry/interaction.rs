@@ -1,6 +1,6 @@
 //! The resolved point on a surface.
 
-use crate::geometry::{Hit, PlacementId, Ray, ShapeHit, SurfacePoint, World, spawn};
+use crate::geometry::{Hit, PlacementId, Pose, Ray, Shape, ShapeHit, SurfacePoint, World, spawn};
 use glam::{Vec2, Vec3};
 
 /// A point on a surface, ready to be shaded.
@@ -54,6 +54,16 @@ impl Interaction {
 }
 
 impl World {
+    /// Whether `ray` met the surface of `hit` from outside, as [`Interaction::is_front`] of the whole point.
+    #[must_use]
+    pub fn is_front(&self, ray: &Ray, hit: &Hit) -> bool {
+        let placement = &self.placements[hit.placement.index()];
+        match (self.shape_of(hit.placement), &placement.pose) {
+            (Shape::Sphere(sphere), Pose::World) => ray.d.dot(sphere.project(ray.at(hit.t)).1) < 0.0,
+            _ => self.interaction(ray, hit).is_front(),
+        }
+    }
+
     /// The point that `hit` of `ray` names, in world space.
     #[must_use]
     pub fn interaction(&self, ray: &Ray, hit: &Hit) -> Interaction {

@@ -1,6 +1,6 @@
 //! Points of surfaces over lanes: the resolved point of [`crate::geometry::Interaction`] for several rays at once.
 
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, Sphere};
 use crate::math::Vec3;
 use crate::math::float::{UNIT_ROUNDOFF, gamma};
 use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes, Select, Wrapping};
@@ -112,6 +112,19 @@ impl Mesh {
         };
         let positions = vectors(bytemuck::cast_slice(self.positions()), corners);
         Corners { positions, normals, uvs, moving: false }.at(uv, ng)
+    }
+}
+
+impl Sphere {
+    /// The points nearest to those that rays have met; surface parameters are left out.
+    #[inline(always)]
+    pub fn points<F: Lanes>(&self, near: Vec3<F>) -> Points<F> {
+        let like = near.x;
+        let spread = |v: glam::Vec3| Vec3::new(like.splat(v.x), like.splat(v.y), like.splat(v.z));
+        let center = spread(self.center);
+        let n = (near - center).normalize_or(spread(glam::Vec3::Z));
+        let (p, p_error) = (center + n.scale(self.radius), spread(self.error()));
+        Points { p, p_error, ng: n, ns: n, uv: [like.splat(0.0); 2], density: like.splat(0.0) }
     }
 }
 

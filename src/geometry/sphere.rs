@@ -48,10 +48,15 @@ impl Sphere {
         (self.center + n * self.radius, n)
     }
 
+    /// Bound on the error of all points.
+    pub(super) fn error(&self) -> Vec3 {
+        (self.center.abs() + self.radius) * (ROUND_ROUNDINGS * UNIT_ROUNDOFF)
+    }
+
     /// The point of the surface nearest to `near`; its parameters are longitude and latitude.
     pub(super) fn point(&self, near: Vec3) -> SurfacePoint {
         let (p, n) = self.project(near);
-        let p_error = (self.center.abs() + self.radius) * (ROUND_ROUNDINGS * UNIT_ROUNDOFF);
+        let p_error = self.error();
         let longitude = n.y.atan2(n.x) / std::f32::consts::TAU;
         let latitude = n.z.clamp(-1.0, 1.0).acos() / std::f32::consts::PI;
         SurfacePoint::smooth(p, p_error, n, Vec2::new(longitude.rem_euclid(1.0), latitude))

@@ -31,6 +31,15 @@ impl Grain {
         let y = ns.cross(x);
         Some([x, if y.dot(self.along_v) < 0.0 { -y } else { y }])
     }
+
+    /// By how much a number grows over a metre, in the direction in which it grows fastest at right angles to the unit normal `ns`,
+    /// if it grows so much with a unit of each parameter. `None` where the parameters do not span the surface.
+    #[must_use]
+    pub fn uphill(&self, ns: Vec3, [with_u, with_v]: [f32; 2]) -> Option<Vec3> {
+        let (across_v, across_u) = (self.along_v.cross(ns), ns.cross(self.along_u));
+        let uphill = (across_v * with_u + across_u * with_v) / self.along_u.dot(across_v);
+        uphill.is_finite().then_some(uphill)
+    }
 }
 
 impl World {
@@ -116,6 +125,13 @@ mod tests {
         assert!((along_u - Vec3::new(0.0, 3.0, 1.0)).length() < 1e-6, "{along_u}: a whole edge");
         assert!((along_v - Vec3::new(-1.0, 0.0, 0.0)).length() < 1e-6, "{along_v}: against the other");
         let grain = Grain { along_u, along_v };
+        let n = corners[1].cross(corners[2]).normalize();
+        let uphill = grain.uphill(n, [1.0, 2.0]).expect("spanned");
+        assert!(uphill.dot(n).abs() < 1e-6, "{uphill}: in the plane");
+        assert!((uphill.dot(along_u) - 1.0).abs() < 1e-6, "{uphill}: with u");
+        assert!((uphill.dot(along_v) - 2.0).abs() < 1e-6, "{uphill}: with v");
+        let mirrored = Grain { along_u: along_v, along_v: along_u }.uphill(n, [2.0, 1.0]).expect("spanned");
+        assert!((mirrored - uphill).length() < 1e-6, "{mirrored}: whatever their order");
         assert!((grain.density() - 10.0_f32.powf(-0.25)).abs() < 1e-6, "{}", grain.density());
     }
 }

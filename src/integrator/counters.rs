@@ -3,7 +3,7 @@
 use std::ops::AddAssign;
 
 /// Rays by kind, and what was cut off.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Counters {
     /// Rays from the camera.
     pub camera: u64,
@@ -23,9 +23,21 @@ pub struct Counters {
     pub cut_by_depth: u64,
     /// Branches not followed because they would have carried too little.
     pub cut_by_attenuation: u64,
+    /// Paths that ended at random.
+    pub cut_by_roulette: u64,
+    /// Luminance of all samples that a limit on indirect light has taken away; 0 without one.
+    pub clamped: f64,
+    /// Luminance of all samples that it has left; 0 without one.
+    pub unclamped: f64,
 }
 
 impl Counters {
+    /// The part of all light that a limit on indirect light has taken away.
+    #[must_use]
+    pub fn clamped_part(&self) -> f64 {
+        if self.clamped > 0.0 { self.clamped / (self.clamped + self.unclamped) } else { 0.0 }
+    }
+
     /// All rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
@@ -44,5 +56,8 @@ impl AddAssign for Counters {
         self.hidden += other.hidden;
         self.cut_by_depth += other.cut_by_depth;
         self.cut_by_attenuation += other.cut_by_attenuation;
+        self.cut_by_roulette += other.cut_by_roulette;
+        self.clamped += other.clamped;
+        self.unclamped += other.unclamped;
     }
 }

@@ -18,7 +18,7 @@ mod whitted;
 pub use counters::Counters;
 pub use deferred::Deferred;
 pub use features::Features;
-pub use path::{Path, Wave};
+pub use path::{ChosenLights, Path, Wave};
 pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;

@@ -1,6 +1,7 @@
 //! Light from infinity.
 //!
-//! A constant environment is sampled by the cosine about the normal; a picture by its brightness. The picture is a
+//! A constant environment is sampled by the cosine about the normal; a picture by its brightness, interpolated as its light is: a pixel
+//! in proportion to its own, then a place about its middle by the weight with which the pixel counts there. The picture is a
 //! longitude-latitude map: its middle row is the horizon, its top row the zenith +Y, its middle column -Z seen from
 //! inside, and columns grow towards +X.
 
@@ -92,8 +93,9 @@ impl EnvironmentMap {
         for y in 0..height {
             let sin = (PI * (y as f32 + 0.5) / height as f32).sin();
             for x in 0..width {
-                weights[y * width + x] = neighbourhood(&image, x, y) * sin;
-                sum += f64::from(texel(&image, x as isize, y as isize).luminance() * sin);
+                let bright = texel(&image, x as isize, y as isize).luminance() * sin;
+                weights[y * width + x] = bright;
+                sum += f64::from(bright);
                 solid += f64::from(sin);
             }
         }
@@ -125,17 +127,43 @@ impl EnvironmentMap {
     }
 
     fn pdf(&self, d: glam::Vec3) -> f32 {
-        per_solid_angle(self.choice.pdf(self.uv(d)), d.x.hypot(d.z))
+        per_solid_angle(self.pdf_at(self.uv(d)), d.x.hypot(d.z))
+    }
+
+    /// The density over the map: probabilities of pixels, interpolated as their values are.
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "columns and rows of a picture"
+    )]
+    fn pdf_at(&self, [u, v]: [f32; 2]) -> f32 {
+        let [width, height] = [self.choice.width() as f32, self.choice.height() as f32];
+        let (x, y) = (u * width - 0.5, v * height - 0.5);
+        let (fx, fy) = (x - x.floor(), y - y.floor());
+        let columns = [x.floor(), x.floor() + 1.0].map(|x| x.rem_euclid(width) as usize);
+        let rows = [y.floor(), y.floor() + 1.0].map(|y| y.clamp(0.0, height - 1.0) as usize);
+        let row = |row| {
+            let [a, b] = columns.map(|column| self.choice.probability([column, row]));
+            a + (b - a) * fx
+        };
+        let [a, b] = rows.map(row);
+        (a + (b - a) * fy) * width * height
     }
 
     /// Direction, radiance and density.
     fn sample_one(&self, u2: [f32; 2]) -> [f32; 7] {
         let chosen = self.choice.sample(u2);
+        let [width, height] = [self.choice.width() as f32, self.choice.height() as f32];
+        let [column, row] = chosen.cell.map(|k| k as f32);
         let [u, v] = chosen.uv;
+        // About the middle of the pixel, as far as interpolation carries its light; columns wrap, and what goes beyond a pole comes back.
+        let u = ((column + 0.5 + tent(u * width - column)) / width).rem_euclid(1.0);
+        let v = (row + 0.5 + tent(v * height - row)) / height;
+        let v = if v > 1.0 { 2.0 - v } else { v.abs() };
         let (sin, cos) = (v * PI).sin_cos();
         let (sin_longitude, cos_longitude) = ((u - 0.5) * TAU - self.rotation).sin_cos();
         let d = glam::Vec3::new(sin * sin_longitude, cos, -sin * cos_longitude);
-        let pdf = per_solid_angle(chosen.pdf, sin);
+        let pdf = per_solid_angle(self.pdf_at([u, v]), sin);
         let Rgb { r, g, b } = self.radiance(d);
         [d.x, d.y, d.z, r, g, b, pdf]
     }
@@ -159,11 +187,7 @@ fn texel(image: &Image, x: isize, y: isize) -> Rgb<f32> {
     image.pixel(x, y)
 }
 
-/// The mean brightness of a pixel and its neighbours: wherever interpolation can find light, sampling must go.
-#[expect(clippy::cast_possible_wrap, reason = "columns and rows of a picture")]
-fn neighbourhood(image: &Image, x: usize, y: usize) -> f32 {
-    let (x, y) = (x as isize, y as isize);
-    let around = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy)));
-    let weight = |d: isize| if d == 0 { 0.75 } else { 0.125 };
-    around.map(|(dx, dy)| weight(dx) * weight(dy) * texel(image, x + dx, y + dy).luminance()).sum()
+/// From -1 to 1 with a density that falls linearly from the middle, for a number in [0, 1).
+fn tent(u: f32) -> f32 {
+    if u < 0.5 { (2.0 * u.max(0.0)).sqrt() - 1.0 } else { 1.0 - (2.0 * (1.0 - u).max(0.0)).sqrt() }
 }

@@ -7,13 +7,21 @@
 
 mod area;
 mod delta;
+mod disc;
 mod environment;
+mod mesh;
+mod rectangle;
 mod sphere;
+pub mod tree;
 
-pub use area::{Area, DiscArea, MeshArea, RectangleArea, SampleArea, SurfacePoint};
+pub use area::{Area, Asked, Density, SampleArea, SurfacePoint};
 pub use delta::{Directional, Point, Spot, spot_cosines};
+pub use disc::DiscArea;
 pub use environment::{Environment, EnvironmentMap};
+pub use mesh::MeshArea;
+pub use rectangle::RectangleArea;
 pub use sphere::SphereLight;
+pub use tree::LightTree;
 
 use crate::math::lanes::{Isa, Lanes};
 use crate::math::{Rgb, Vec3};
@@ -90,14 +98,25 @@ impl Light {
     /// A direction towards the light.
     #[inline(always)]
     pub fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
+        self.sample_part(at, None, u2)
+    }
+
+    /// As [`Self::sample`], towards the triangle `part` of a mesh, where one is given. Other lights have no parts.
+    #[inline(always)]
+    pub fn sample_part<F: Lanes>(
+        &self,
+        at: Reference<F>,
+        part: Option<F::Int>,
+        u2: [F; 2],
+    ) -> LightSample<F> {
         match self {
             Self::Point(light) => light.sample(at),
             Self::Spot(light) => light.sample(at),
             Self::Directional(light) => light.sample(at),
-            Self::Rectangle(light) => light.sample(at, u2),
-            Self::Disc(light) => light.sample(at, u2),
+            Self::Rectangle(light) => light.sample(at, None, u2),
+            Self::Disc(light) => light.sample(at, None, u2),
             Self::Sphere(light) => light.sample(at, u2),
-            Self::Mesh(light) => light.sample(at, u2),
+            Self::Mesh(light) => light.sample(at, part, u2),
             Self::Environment(light) => light.sample(at, u2),
         }
     }
@@ -106,12 +125,22 @@ impl Light {
     /// the reference point met the light at `emitter` (absent for lights at infinity). Zero for delta lights.
     #[must_use]
     pub fn pdf(&self, at: Reference<f32>, wi: Vec3<f32>, emitter: Option<&Emitter>) -> f32 {
+        self.density(at, wi, emitter, false)
+    }
+
+    /// As [`Self::pdf`], for [`Self::sample_part`] with the part that was met.
+    #[must_use]
+    pub fn pdf_part(&self, at: Reference<f32>, wi: Vec3<f32>, emitter: Option<&Emitter>) -> f32 {
+        self.density(at, wi, emitter, true)
+    }
+
+    fn density(&self, at: Reference<f32>, wi: Vec3<f32>, emitter: Option<&Emitter>, is_part: bool) -> f32 {
         match (self, emitter) {
             (Self::Environment(light), _) => light.pdf(at, wi),
             (Self::Sphere(light), Some(_)) => light.pdf(at),
-            (Self::Rectangle(light), Some(emitter)) => light.pdf(at, wi, emitter),
-            (Self::Disc(light), Some(emitter)) => light.pdf(at, wi, emitter),
-            (Self::Mesh(light), Some(emitter)) => light.pdf(at, wi, emitter),
+            (Self::Rectangle(light), Some(emitter)) => light.pdf(at, wi, emitter, false),
+            (Self::Disc(light), Some(emitter)) => light.pdf(at, wi, emitter, false),
+            (Self::Mesh(light), Some(emitter)) => light.pdf(at, wi, emitter, is_part),
             _ => 0.0,
         }
     }

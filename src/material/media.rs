@@ -10,9 +10,13 @@ use crate::material::{MaterialId, Medium};
 const DEEPEST: usize = 8;
 
 /// The bodies around a point, in the order they were entered.
-#[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Media {
-    entered: [Option<Entry>; DEEPEST],
+    /// The rest are `NONE`.
+    entered: [Entry; DEEPEST],
+    count: u8,
+    /// Which of them counts: the last one of the highest priority.
+    top: u8,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +24,14 @@ struct Entry {
     id: MaterialId,
     ior: f32,
     priority: i32,
+}
+
+const NONE: Entry = Entry { id: MaterialId(0), ior: 1.0, priority: i32::MIN };
+
+impl Default for Media {
+    fn default() -> Self {
+        Self { entered: [NONE; DEEPEST], count: 0, top: 0 }
+    }
 }
 
 /// What a surface of a medium means to a ray that meets it.
@@ -78,7 +90,9 @@ impl Media {
         self.top().map_or(i32::MIN, |entry| entry.priority)
     }
 
-    fn ior(&self) -> f32 {
+    /// The index of refraction there; 1 in the open.
+    #[must_use]
+    pub fn ior(&self) -> f32 {
         self.top().map_or(1.0, |entry| entry.ior)
     }
 
@@ -86,31 +100,30 @@ impl Media {
         self.entries().any(|entry| entry.id == id)
     }
 
-    fn entries(&self) -> impl Iterator<Item = Entry> + '_ {
-        self.entered.iter().flatten().copied()
+    fn entries(&self) -> impl DoubleEndedIterator<Item = Entry> + ExactSizeIterator + '_ {
+        self.entered[..usize::from(self.count)].iter().copied()
     }
 
-    /// The highest priority; `max_by_key` returns the last of equals.
     fn top(&self) -> Option<Entry> {
-        self.entries().max_by_key(|entry| entry.priority)
+        (self.count > 0).then(|| self.entered[usize::from(self.top)])
     }
 
     fn with(mut self, entry: Entry) -> Self {
-        if let Some(free) = self.entered.iter_mut().find(|slot| slot.is_none()) {
-            *free = Some(entry);
+        if let Some(free) = self.entered.get_mut(usize::from(self.count)) {
+            *free = entry;
+            if entry.priority >= self.priority() {
+                self.top = self.count;
+            }
+            self.count += 1;
         }
         self
     }
 
     /// Without the last entry of `id`.
     fn without(self, id: MaterialId) -> Self {
-        let last = self.entries().enumerate().filter(|(_, entry)| entry.id == id).last().map(|(i, _)| i);
-        let mut left = Self::default();
-        let kept = self.entries().enumerate().filter(|(i, _)| Some(*i) != last).map(|(_, entry)| entry);
-        for (slot, entry) in left.entered.iter_mut().zip(kept) {
-            *slot = Some(entry);
-        }
-        left
+        let Some(last) = self.entries().rposition(|entry| entry.id == id) else { return self };
+        let others = self.entries().enumerate().filter(|&(i, _)| i != last);
+        others.fold(Self::default(), |left, (_, entry)| left.with(entry))
     }
 }
 

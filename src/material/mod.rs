@@ -12,7 +12,7 @@ pub use scattering::{Facets, Layer, Scattering};
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::{NormalMap, Scalar, Spot, Texture};
+use crate::texture::{Relief, Scalar, Spot, Texture};
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -45,7 +45,7 @@ pub struct Material {
     /// The light it gives off.
     pub emission: Option<Emission>,
     /// Its relief.
-    pub normal_map: Option<NormalMap>,
+    pub relief: Option<Relief>,
     /// How much of it is there: below a half there is a hole.
     pub opacity: Option<Scalar>,
 }
@@ -70,14 +70,14 @@ impl Material {
     #[must_use]
     pub fn has_images(&self) -> bool {
         let shows = self.emission.as_ref().is_some_and(|emission| emission.radiance.bitmap().is_some());
-        shows || self.scattering.has_images() || self.normal_map.is_some()
+        shows || self.scattering.has_images() || self.relief.is_some()
     }
 
     /// Whether anything of it changes over the surface parameters.
     #[must_use]
     pub fn is_textured(&self) -> bool {
         let changes = self.emission.as_ref().is_some_and(|emission| !emission.radiance.is_constant());
-        changes || self.scattering.is_textured() || self.normal_map.is_some()
+        changes || self.scattering.is_textured() || self.relief.is_some()
     }
 
     /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.

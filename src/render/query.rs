@@ -16,7 +16,7 @@ pub struct Chosen {
 /// How a scene is going to be rendered on this machine.
 #[must_use]
 pub fn query(scene: &Scene) -> Chosen {
-    chosen(&scene.render, level())
+    chosen(&scene.render)
 }
 
 /// What shading over lanes is run with: what the environment asks for, or the best there is.
@@ -24,15 +24,14 @@ pub(super) fn level() -> Level {
     Level::from_env().unwrap_or_else(|_| Level::best())
 }
 
-fn chosen(render: &crate::scene::description::Render, level: Level) -> Chosen {
+fn chosen(render: &crate::scene::description::Render) -> Chosen {
     let of = |query, why| Chosen { query, why };
     if let Some(query) = render.query {
         return of(query, "as asked for");
     }
     let has_packets = render.backend == Backend::Embree;
     match render.integrator {
-        Integrator::Path if level.width() > 1 => of(Query::Stream, "paths are shaded many at a time"),
-        Integrator::Path => of(Query::Single, "this processor shades one path at a time"),
+        Integrator::Path => of(Query::Stream, "paths are followed many at a time"),
         Integrator::Whitted | Integrator::Distribution | Integrator::View if has_packets => {
             of(Query::Stream, "camera and shadow rays are faster in packets")
         }

@@ -83,6 +83,14 @@ impl Table2d {
         rows * probability(self.row(row), column) * to_f32(self.width)
     }
 
+    /// The probability of the cell at this column and row: discrete; zero outside.
+    pub fn probability(&self, [column, row]: [usize; 2]) -> f32 {
+        if column >= self.width || row >= self.height() {
+            return 0.0;
+        }
+        self.rows.probability(row) * probability(self.row(row), column)
+    }
+
     fn row(&self, y: usize) -> &[u32] {
         &self.cumulative[y * (self.width + 1)..][..=self.width]
     }

@@ -138,6 +138,27 @@ record! {
     }
 }
 
+record! {
+    /// A picture of heights: the surface is shaded as if white stood out over black. Its outline stays as it is.
+    pub struct Bump {
+        /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
+        file: Located<PathBuf>, file(RASTERS);
+        /// Where the heights are; red without, which in gray pictures is the shade.
+        channel: Option<Channel>;
+        /// How far white stands out over black, in widths of a texel: 1 makes a slope of 45 degrees of white beside black; negative
+        /// numbers sink it.
+        strength: f32 = 1.0, min(-1e4), max(1e4);
+        /// The same in metres, instead of `strength`.
+        height: Option<f32>, unit("m"), min(-1e6), max(1e6);
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1.
+        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+    }
+}
+
 choice! {
     /// What the numbers of a picture stand for.
     pub enum Space {
@@ -171,6 +192,32 @@ choice! {
         "b" => Blue,
         /// Coverage; 1 where the file has none, or holds 32-bit numbers.
         "a" => Alpha,
+    }
+}
+
+/// A number, or the word `off`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Knob<T> {
+    /// Not in use.
+    Off,
+    /// In use, with this value.
+    At(T),
+}
+
+impl<T> Knob<T> {
+    /// The value, if it is in use.
+    #[must_use]
+    pub fn value(self) -> Option<T> {
+        if let Self::At(value) = self { Some(value) } else { None }
+    }
+}
+
+impl<T: std::fmt::Display> std::fmt::Display for Knob<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Off => f.write_str("off"),
+            Self::At(value) => value.fmt(f),
+        }
     }
 }
 
@@ -339,9 +386,18 @@ record! {
         max_depth: u32 = 16, min(1.0), max(65536.0);
         /// Branches that would carry less than this part of what reaches the pixel are not followed.
         min_throughput: f32 = 1e-3, min(0.0), max(1.0);
-        /// Shadow rays to each light that has a size, at the first hits; absent: 4 under `distribution`, else 1.
+        /// The length in edges from which paths that carry less than a quarter of what reaches the pixel may end at random, or `off`; what
+        /// survives counts for the others, so that pictures stay right in the mean.
+        roulette: Knob<u32> = Knob::At(3), min(1.0), max(65536.0);
+        /// The most luminance, in W/(sr m^2), that any one piece of light may bring to a sample of a path after more than one
+        /// bounce, or `off`: takes bright specks away, and light that belongs to the picture; statistics tell how much.
+        clamp_indirect: Knob<f32> = Knob::Off, above(0.0), max(1e20);
+        /// How a path chooses the light that it asks at a surface; absent: by a tree where more than one emitter is
+        /// somewhere, else by power, as `specula plan` says.
+        light_choice: Option<LightChoice>;
+        /// Shadow rays to each light that has a size, at the first hits; absent: 2 under `distribution`, else 1.
         light_samples: Option<u32>, min(1.0), max(65536.0);
-        /// Rays of each glossy lobe, at the first hits; absent: 4 under `distribution`, else 1.
+        /// Rays of each glossy lobe, at the first hits; absent: 2 under `distribution`, else 1.
         glossy_samples: Option<u32>, min(1.0), max(65536.0);
         /// How many hits are first hits, counted along each path from the camera; later ones send one ray of each kind.
         split_depth: u32 = 1, min(0.0), max(64.0);
@@ -353,6 +409,8 @@ record! {
         fresnel: Fresnel = Fresnel::Exact;
         /// How light on its way to a surface passes through glass.
         glass_shadows: GlassShadows = GlassShadows::Straight;
+        /// Who finds light that comes straight from lights, under `path`: for comparing strategies.
+        direct: Direct = Direct::Both;
         /// Another seed gives another, equally valid noise.
         seed: u64 = 0;
     }
@@ -393,6 +451,18 @@ choice! {
 }
 
 choice! {
+    /// How a path chooses the light that it asks at a surface.
+    pub enum LightChoice {
+        /// In proportion to power, wherever the surface is.
+        "power" => Power,
+        /// All alike.
+        "uniform" => Uniform,
+        /// By distance, direction and intensity, through a tree over all emitters.
+        "tree" => Tree,
+    }
+}
+
+choice! {
     /// How rays are traced.
     pub enum Query {
         /// One ray at a time, samples one after the other.
@@ -408,7 +478,7 @@ impl Integrator {
     /// Rays of each kind at the first hits where the scene does not say.
     const fn default_samples(self) -> u32 {
         match self {
-            Self::Distribution => 4,
+            Self::Distribution => 2,
             Self::Whitted | Self::Path | Self::View => 1,
         }
     }
@@ -493,6 +563,18 @@ choice! {
 }
 
 choice! {
+    /// Who finds light that comes straight from lights. The picture is the same, its noise is not.
+    pub enum Direct {
+        /// Asking lights and following lobes, each with the share that it is the better at.
+        "both" => Both,
+        /// Asking lights alone, but for what only lobes find: mirrors, and an environment that is the same all around.
+        "light" => Light,
+        /// Following lobes alone, but for lights without size, which they cannot find.
+        "bsdf" => Bsdf,
+    }
+}
+
+choice! {
     /// How light on its way to a surface passes through glass. The ray tree does not find the true, bent way.
     pub enum GlassShadows {
         /// Straight on, dimmed by reflection and absorption: brighter and nearer the truth for thin glass.
@@ -524,6 +606,8 @@ record! {
         emission: Texture = Texture::gray(0.0), unit("W/(sr m^2)"), min(0.0), max(1e20);
         /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
         normal_map: Option<NormalMap>;
+        /// A relief by a picture of heights, likewise; instead of `normal_map`.
+        bump: Option<Bump>;
         /// Holes: where this is below 0.5 there is no surface. For materials that do not shine.
         opacity: Option<ScalarTexture>;
         ..scattering: Scattering, "What it does with light.";
@@ -532,7 +616,7 @@ record! {
 
 impl From<Scattering> for Material {
     fn from(scattering: Scattering) -> Self {
-        Self { emission: Texture::gray(0.0), normal_map: None, opacity: None, scattering }
+        Self { emission: Texture::gray(0.0), normal_map: None, bump: None, opacity: None, scattering }
     }
 }
 

@@ -135,4 +135,11 @@ impl Scene {
     pub fn has_media(&self) -> bool {
         self.materials.iter().any(|material| material.medium().is_some())
     }
+
+    /// Whether any of them absorbs light.
+    #[must_use]
+    pub fn absorbs(&self) -> bool {
+        let media = self.materials.iter().filter_map(Material::medium);
+        media.into_iter().any(|medium| !medium.absorption.is_black())
+    }
 }

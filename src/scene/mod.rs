@@ -13,7 +13,7 @@ pub mod schema;
 mod track;
 
 pub use build::{Built, build};
-pub use description::{Description, GlassShadows};
+pub use description::{Description, Direct, GlassShadows};
 pub use frozen::Scene;
 pub use load::{Loaded, load};
 pub use needs::Needs;

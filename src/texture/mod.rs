@@ -4,11 +4,13 @@
 //! show them.
 
 mod bitmap;
+mod heights;
 mod mapped;
 mod normal_map;
 mod scalar;
 
 pub use bitmap::{Bitmap, Space};
+pub use heights::{Height, Heights};
 pub use mapped::{Channel, Mapped, Wrap};
 pub use normal_map::NormalMap;
 pub use scalar::Scalar;
@@ -16,6 +18,15 @@ pub use scalar::Scalar;
 use crate::math::Rgb;
 use crate::math::lanes::{Lanes, Select};
 use glam::Vec2;
+
+/// What is known of the fine shape of a surface beside its mesh.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Relief {
+    /// Where the normal leans to.
+    Normals(NormalMap),
+    /// How far points stand out.
+    Heights(Heights),
+}
 
 /// Where a texture is asked.
 #[derive(Clone, Copy, Debug)]

@@ -25,6 +25,10 @@ impl Part for Illumination {
         let at = Reference { p: Vec3::new(x * 3.0, y * 3.0, k.min(2.0)), n };
         for (who, light) in &self.lights {
             table.put_light(who, at, light.sample(at, [u, v]));
+            if *who == "strip" {
+                let part = (u * 14.0).to_int();
+                table.put_light("part of a strip", at, light.sample_part(at, Some(part), [v, u]));
+            }
         }
     }
 }

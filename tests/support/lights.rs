@@ -14,6 +14,15 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
     let rectangle = RectangleArea::new(P::new(0.5, 4.0, 0.0), P::X * 0.5, P::Z);
     let mesh =
         MeshArea::new(vec![[P::Y * 5.0, P::new(1.0, 5.0, 0.0), P::new(0.0, 5.0, 2.0)]]).expect("has area");
+    let gable = {
+        let [a, b, c] = [P::new(-1.0, 4.0, 0.0), P::new(1.0, 4.0, 0.0), P::new(0.0, 5.0, 0.5)];
+        let d = P::new(0.0, 4.0, 2.0);
+        MeshArea::new(vec![[a, c, b], [a, b, d], [b, c, d]]).expect("has area")
+    };
+    let strip = {
+        let p = |i: u16| P::new(f32::from(i) * 0.3, 4.0 + f32::from(i) * 0.1, f32::from(i % 2));
+        MeshArea::new((0..14).map(|i| [p(i), p(i + 1), p(i + 2)]).collect()).expect("has area")
+    };
     let pixels = (0..128_u16).map(|i| Rgb::gray(f32::from(i % 13))).collect();
     let picture =
         EnvironmentMap::new(Image::from_pixels(16, 8, pixels).expect("fits"), 1.0, 0.3).expect("shines");
@@ -31,6 +40,8 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
             }),
         ),
         ("mesh", Light::Mesh(Area { surface: mesh, radiance, two_sided: true })),
+        ("gable", Light::Mesh(Area { surface: gable, radiance, two_sided: false })),
+        ("strip", Light::Mesh(Area { surface: strip, radiance, two_sided: true })),
         ("sphere", Light::Sphere(SphereLight { center: position, radius: 0.5, radiance })),
         ("point", Light::Point(Point { position, intensity: radiance })),
         ("spot", Light::Spot(Spot { position, axis, intensity: radiance, cos_outer, cos_inner })),

@@ -33,6 +33,16 @@ impl<F: Lanes> Distribution<F> {
         }
     }
 
+    /// The tangent of the angle by which normals typically lean, as a mean over both tangents.
+    #[inline(always)]
+    pub fn lean(&self) -> F {
+        let (x, y) = match self {
+            Self::Ggx(own) => (own.alpha_x, own.alpha_y),
+            Self::Beckmann(own) => (own.alpha_x, own.alpha_y),
+        };
+        (x + y) * 0.5
+    }
+
     /// |cos| (1 + 2 Lambda) of `w` with Smith's auxiliary function Lambda, which grows without bound towards the horizon where
     /// this does not. The same on both sides of the surface.
     #[inline(always)]

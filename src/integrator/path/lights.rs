@@ -1,53 +1,222 @@
 //! Which light a path asks.
 
-use crate::light::{Environment, Light, LightId};
+use super::met::WIDEST;
+use crate::light::tree::{Drawn, Leaf};
+use crate::light::{Emitter, Environment, Light, LightId, LightTree, Reference};
+use crate::math::Vec3;
+use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes};
 use crate::sampling::Table1d;
-use crate::scene::Scene;
+use crate::scene::description::LightChoice;
+use crate::scene::{Direct, Scene};
 
-/// The lights of a scene that are asked, each with the probability of its choice.
-///
-/// In proportion to power. An environment that is the same all around is not asked: directions of lobes find it as well, and
-/// cost no shadow ray.
+/// From how many emitters on a tree chooses among those that are somewhere: see `benches/record/lights.md`.
+const SEVERAL: usize = 2;
+
+/// How the light that is asked is chosen in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ChosenLights {
+    /// The way.
+    pub choice: LightChoice,
+    /// How many lights are asked; triangles of large meshes count each.
+    pub emitters: usize,
+}
+
+impl ChosenLights {
+    /// As the scene says, or as is best for as many emitters as it has.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let direct = scene.render.direct;
+        let lights = || scene.lights.iter().filter(|light| is_asked(light, direct));
+        let somewhere = LightTree::count(lights());
+        let emitters = somewhere + lights().filter(|light| light.is_infinite()).count();
+        let best = if somewhere >= SEVERAL { LightChoice::Tree } else { LightChoice::Power };
+        Self { choice: scene.render.light_choice.unwrap_or(best), emitters }
+    }
+}
+
+/// An environment that is the same all around is not asked: directions of lobes find it as well, and cost no shadow ray.
+/// Where light is left to lobes, only those that lobes cannot find are asked.
+fn is_asked(light: &Light, direct: Direct) -> bool {
+    !matches!(light, Light::Environment(Environment::Constant(_)))
+        && (direct != Direct::Bsdf || light.is_delta())
+}
+
+/// The lights of a scene that are asked, and how one is chosen.
 #[derive(Debug)]
 pub(super) struct Lights {
+    /// Those that a table chooses from: all, or where there is a tree those that it lacks.
     asked: Vec<LightId>,
     choice: Option<Table1d>,
-    /// By light, asked or not.
+    /// By light, with which probability the table chooses it.
     probabilities: Vec<f32>,
+    direct: Direct,
+    tree: Option<LightTree>,
 }
+
+/// The lights of some lanes.
+pub(super) struct Picked<S: Isa> {
+    pub(super) ids: [u32; WIDEST],
+    /// Triangles of those that are chosen by their triangles.
+    pub(super) parts: S::I,
+    /// Zero where no light matters.
+    pub(super) probability: S::F,
+}
+
+/// What densities of asking count for where lobes are to have no share: beside them, squared, all others vanish.
+const ALL_OF_IT: f32 = 1e30;
 
 impl Lights {
     pub(super) fn of(scene: &Scene) -> Self {
+        let all = || {
+            (0..).map(LightId).zip(&scene.lights).filter(|(_, light)| is_asked(light, scene.render.direct))
+        };
+        let choice = ChosenLights::of(scene).choice;
+        let tree = if choice == LightChoice::Tree { LightTree::new(all()) } else { None };
         let radius = scene.world.bounds().radius();
-        let is_asked = |light: &Light| !matches!(light, Light::Environment(Environment::Constant(_)));
-        let ids = (0..).map(LightId).zip(&scene.lights).filter(|(_, light)| is_asked(light));
-        let (asked, powers): (Vec<_>, Vec<_>) =
-            ids.map(|(id, light)| (id, light.power(radius).clamp(f32::MIN_POSITIVE, f32::MAX))).unzip();
-        let choice = if asked.len() > 1 { Table1d::new(&powers).ok() } else { None };
+        // Where there is a tree, each light at infinity is as likely as all of it.
+        let weight = |light: &Light| match choice {
+            LightChoice::Power => light.power(radius).clamp(f32::MIN_POSITIVE, f32::MAX),
+            LightChoice::Uniform | LightChoice::Tree => 1.0,
+        };
+        let in_table = all().filter(|(_, light)| tree.is_none() || light.is_infinite());
+        let (asked, weights): (Vec<_>, Vec<_>) = in_table.map(|(id, light)| (id, weight(light))).unzip();
+        let choice = if asked.len() > 1 { Table1d::new(&weights).ok() } else { None };
         let mut probabilities = vec![0.0; scene.lights.len()];
         for (index, id) in asked.iter().enumerate() {
             probabilities[id.index()] = choice.as_ref().map_or(1.0, |table| table.probability(index));
         }
-        Self { asked, choice, probabilities }
+        Self { asked, choice, probabilities, direct: scene.render.direct, tree }
     }
 
     /// Whether there is none to ask.
     pub(super) fn is_empty(&self) -> bool {
-        self.asked.is_empty()
+        self.asked.is_empty() && self.tree.is_none()
+    }
+
+    /// The factor on densities of asking where they are weighed against those of lobes.
+    pub(super) fn favour(&self) -> f32 {
+        if self.direct == Direct::Light { ALL_OF_IT } else { 1.0 }
+    }
+
+    /// Whether lights that lobes can find are not asked.
+    pub(super) fn are_left_to_lobes(&self) -> bool {
+        self.direct == Direct::Bsdf
     }
 
     /// The only one, if no choice is needed.
     pub(super) fn only(&self) -> Option<LightId> {
-        if let [only] = self.asked[..] { Some(only) } else { None }
+        match self.asked[..] {
+            [only] if self.tree.is_none() => Some(only),
+            _ => None,
+        }
     }
 
-    /// The light for a number in [0, 1).
-    pub(super) fn chosen(&self, u: f32) -> LightId {
-        self.asked[self.choice.as_ref().map_or(0, |table| table.sample(u).index)]
+    /// Whether normals of surfaces count in the choice.
+    pub(super) fn uses_normals(&self) -> bool {
+        self.tree.is_some()
     }
 
-    /// The probability with which a light is asked; 0 if it never is.
-    pub(super) fn probability(&self, id: LightId) -> f32 {
-        self.probabilities[id.index()]
+    /// Whether a light is asked by its triangles.
+    pub(super) fn is_split(&self, id: LightId) -> bool {
+        self.tree.as_ref().is_some_and(|tree| tree.is_split(id))
+    }
+
+    /// The probability of the tree beside the lights at infinity.
+    #[expect(clippy::cast_precision_loss, reason = "few")]
+    fn tree_share(&self) -> f32 {
+        1.0 / (self.asked.len() as f32 + 1.0)
+    }
+
+    /// The lights for numbers in [0, 1).
+    #[inline(always)]
+    pub(super) fn pick<S: Isa>(&self, isa: S, at: Reference<S::F>, u: S::F) -> Picked<S> {
+        let mut numbers = [0.0; WIDEST];
+        u.store(&mut numbers);
+        let Some(tree) = &self.tree else {
+            let (ids, chances) = self.by_table(&numbers, S::WIDTH);
+            return Picked { ids, parts: isa.splat_u32(0), probability: isa.load(&chances) };
+        };
+        let (share, zero) = (self.tree_share(), isa.splat_u32(0));
+        // The first numbers lead to the tree.
+        let rest = (u * (1.0 / share)).min(1.0 - f32::EPSILON);
+        let Drawn { leaf, probability } = draw(isa, tree, at, rest);
+        let (mut leaves, mut chances) = ([0; WIDEST], [0.0; WIDEST]);
+        leaf.store(&mut leaves);
+        (probability * share).store(&mut chances);
+        let (mut ids, mut parts) = ([u32::MAX; WIDEST], [0; WIDEST]);
+        for lane in 0..S::WIDTH {
+            let Leaf { light, part } = tree.leaves()[leaves[lane] as usize];
+            (ids[lane], parts[lane]) = (light.0, part.unwrap_or(0));
+        }
+        if !self.asked.is_empty() {
+            self.at_infinity(&numbers[..S::WIDTH], share, &mut ids, &mut chances);
+        }
+        let parts = if parts == [0; WIDEST] { zero } else { isa.load_u32(&parts) };
+        Picked { ids, parts, probability: isa.load(&chances) }
+    }
+
+    /// Out of line: scalar work, the same for all instruction sets.
+    #[inline(never)]
+    fn by_table(&self, numbers: &[f32; WIDEST], count: usize) -> ([u32; WIDEST], [f32; WIDEST]) {
+        let (mut ids, mut chances) = ([u32::MAX; WIDEST], [0.0; WIDEST]);
+        for lane in 0..count {
+            let id = self.asked[self.choice.as_ref().map_or(0, |table| table.sample(numbers[lane]).index)];
+            (ids[lane], chances[lane]) = (id.0, self.probabilities[id.index()]);
+        }
+        (ids, chances)
+    }
+
+    /// Lights at infinity for the numbers that do not lead to the tree.
+    #[inline(never)]
+    fn at_infinity(&self, numbers: &[f32], share: f32, ids: &mut [u32; WIDEST], chances: &mut [f32; WIDEST]) {
+        for (lane, &number) in numbers.iter().enumerate().filter(|(_, number)| **number >= share) {
+            let rest = ((number - share) / (1.0 - share)).clamp(0.0, 1.0 - f32::EPSILON);
+            let id = self.asked[self.choice.as_ref().map_or(0, |table| table.sample(rest).index)];
+            ids[lane] = id.0;
+            chances[lane] = self.probabilities[id.index()] * (1.0 - share);
+        }
+    }
+
+    /// The density per solid angle, the choice included, with which asking from `at` draws the direction `wi`, along which a ray met the
+    /// light at `emitter`, times [`Self::favour`]; 0 if it is never asked.
+    pub(super) fn pdf(
+        &self,
+        scene: &Scene,
+        id: LightId,
+        (at, wi): (Reference<f32>, Vec3<f32>),
+        emitter: Option<&Emitter>,
+    ) -> f32 {
+        let light = &scene.lights[id.index()];
+        let Some(tree) = &self.tree else {
+            return self.favour() * self.probabilities[id.index()] * light.pdf(at, wi, emitter);
+        };
+        if light.is_infinite() {
+            let chance = self.probabilities[id.index()] * (1.0 - self.tree_share());
+            return self.favour() * chance * light.pdf(at, wi, emitter);
+        }
+        let part = if tree.is_split(id) { emitter.map(|emitter| emitter.prim) } else { None };
+        let chance = tree.probability(at, Leaf { light: id, part }) * self.tree_share();
+        let density = if part.is_some() { Light::pdf_part } else { Light::pdf };
+        if chance > 0.0 { self.favour() * chance * density(light, at, wi, emitter) } else { 0.0 }
+    }
+}
+
+/// A function of its own per instruction set, as for lights.
+#[inline(never)]
+fn draw<S: Isa>(isa: S, tree: &LightTree, at: Reference<S::F>, u: S::F) -> Drawn<S::F> {
+    isa.run(Draw { tree, at, u })
+}
+
+struct Draw<'a, F> {
+    tree: &'a LightTree,
+    at: Reference<F>,
+    u: F,
+}
+
+impl<S: Isa> Kernel<S> for Draw<'_, S::F> {
+    type Output = Drawn<S::F>;
+    #[inline(always)]
+    fn run(self, _isa: S) -> Drawn<S::F> {
+        self.tree.sample(self.at, self.u)
     }
 }

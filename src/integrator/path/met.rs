@@ -63,6 +63,13 @@ impl<S: Isa> Met<S> {
                     let own = S::I::select(same, prims, isa.splat_u32(0));
                     mesh.points(own, [u, v], ng, surfaces.textured)
                 }
+                (Shape::Sphere(sphere), Pose::World) if !surfaces.textured => {
+                    let row = |row: &[f32; N]| isa.load(row);
+                    let ray = &packet.ray;
+                    let o = Vec3::new(row(&ray.o_x), row(&ray.o_y), row(&ray.o_z));
+                    let d = Vec3::new(row(&ray.d_x), row(&ray.d_y), row(&ray.d_z));
+                    sphere.points(o + d * row(&ray.t_max))
+                }
                 _ => one_by_one(isa, scene, packet, same.bits()),
             };
             if same.bits() == met.bits() {

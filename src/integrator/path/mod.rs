@@ -21,6 +21,7 @@ mod surfaces;
 mod vertex;
 mod wave;
 
+pub use lights::ChosenLights;
 pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
@@ -33,7 +34,7 @@ use crate::sampling::{SamplerKind, Vertex};
 use crate::scene::Scene;
 use lights::Lights;
 use surfaces::Surfaces;
-use vertex::{Chunk, Surroundings};
+use vertex::{Beyond, Chunk, Surroundings};
 use wave::Guarded;
 
 /// A path tracer for a scene.
@@ -49,6 +50,10 @@ pub struct Path {
     bounces_in_packets: bool,
     /// Whether direct light is told apart.
     splits: bool,
+    /// The length from which paths may end at random.
+    roulette: Option<u32>,
+    /// The most luminance of a piece of indirect light.
+    limit: Option<f32>,
 }
 
 /// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
@@ -65,7 +70,20 @@ impl Path {
     ) -> Self {
         let max_depth = scene.render.max_depth;
         let (lights, surfaces) = (Lights::of(scene), Surfaces::of(scene));
-        Self { lights, surfaces, max_depth, sampler, seed, level, bounces_in_packets, splits: false }
+        let (roulette, limit) = (scene.render.roulette.value(), scene.render.clamp_indirect.value());
+        let splits = false;
+        Self {
+            lights,
+            surfaces,
+            max_depth,
+            sampler,
+            seed,
+            level,
+            bounces_in_packets,
+            splits,
+            roulette,
+            limit,
+        }
     }
 
     /// The same, which tells direct light apart.
@@ -101,10 +119,13 @@ impl Path {
             sampler: self.sampler,
             seed: self.seed,
             max_depth: self.max_depth,
+            roulette: self.roulette,
+            limit: self.limit,
             coherence,
             bounces_in_packets: self.bounces_in_packets,
             splits: self.splits,
             media: stage.scene.has_media(),
+            absorbs: stage.scene.absorbs(),
             turns: stage.turns(),
             beam: Beam::of(stage.scene),
         };
@@ -132,9 +153,12 @@ fn follow<A: Accel, S: Isa, const N: usize>(
     let mut vertex = Vertex::ROOT;
     let mut coherence = around.coherence;
     let mut packet = Packet::<N>::EMPTY;
+    let mut beyond = Beyond { eta: [1.0; N], media: [Media::default(); N], changed: 0 };
     for depth in 1..=around.max_depth {
         wave.shadows.rays.len = 0;
         wave.shadows.absorbed = 0;
+        // What is met at the third edge has bounced twice.
+        wave.slots.limit = around.limit.filter(|_| depth > 2);
         let (len, mut to) = (wave.paths.rays.len, 0);
         for at in (0..len).step_by(N) {
             let count = (len - at).min(N);
@@ -148,9 +172,8 @@ fn follow<A: Accel, S: Isa, const N: usize>(
                     packet.set_hit(lane, hit.as_ref());
                 }
             }
-            let mut beyond = [(Media::default(), 1.0); N];
             if around.media {
-                arrive(stage, wave, (at, count), (&mut packet, &mut beyond), counters);
+                arrive(stage, wave, (at, count, around.absorbs), (&mut packet, &mut beyond), counters);
             }
             let (packet, beyond) = (&packet, &beyond);
             let chunk = Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond };
@@ -162,12 +185,18 @@ fn follow<A: Accel, S: Isa, const N: usize>(
             // Rays towards lights from here are of one edge more.
             wave.slots.direct.clone_from(&wave.slots.sum);
         }
+        // Rays towards lights are an edge more.
+        wave.slots.limit = around.limit.filter(|_| depth > 1);
         light_up::<A, N>(stage, wave, counters);
         if to == 0 {
             break;
         }
         vertex = vertex.child(0);
         coherence = Coherence::Incoherent;
+    }
+    if around.limit.is_some() {
+        counters.clamped += wave.slots.clamped;
+        counters.unclamped += wave.slots.luminance();
     }
 }
 
@@ -203,7 +232,7 @@ fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave, cou
         for (lane, end) in packet.t_max.iter().enumerate().take(count) {
             if *end >= 0.0 {
                 let [r, g, b] = shadows.light.get(at + lane);
-                slots.sum[shadows.rays.slot.all()[at + lane] as usize] += Rgb::new(r, g, b);
+                slots.bring(shadows.rays.slot.all()[at + lane], Rgb::new(r, g, b));
             }
         }
     }
@@ -214,33 +243,43 @@ fn light_up<A: Accel, const N: usize>(stage: &Stage<'_, A>, wave: &mut Wave, cou
 fn arrive<A: Accel, const N: usize>(
     stage: &Stage<'_, A>,
     wave: &mut Wave,
-    (at, count): (usize, usize),
-    (packet, beyond): (&mut Packet<N>, &mut [(Media, f32); N]),
+    (at, count, absorbs): (usize, usize, bool),
+    (packet, beyond): (&mut Packet<N>, &mut Beyond<N>),
     counters: &mut Counters,
 ) {
-    for (lane, behind) in beyond.iter_mut().enumerate().take(count) {
+    let scene = stage.scene;
+    *beyond = Beyond { eta: [1.0; N], changed: 0, ..*beyond };
+    for lane in 0..count {
         let slot = wave.paths.rays.slot.all()[at + lane] as usize;
         let mut ray = packet.ray.get(lane).until(f32::INFINITY);
         let mut start = ray.o;
         for _ in 0..MOST_HIDDEN {
             let media = wave.slots.media[slot];
-            *behind = (media, 1.0);
+            let inside = media.current().filter(|_| absorbs);
             let Some(hit) = packet.get_hit(lane) else {
-                wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), f32::INFINITY));
+                if inside.is_some() {
+                    wave.paths.absorb(at + lane, scene.absorbed(inside, f32::INFINITY));
+                }
                 break;
             };
-            let it = stage.scene.world.interaction(&ray, &hit);
-            let length = it.p.distance(start);
-            wave.paths.absorb(at + lane, stage.scene.absorbed(media.current(), length));
-            let (id, material) = stage.scene.material(&it);
-            let Some(medium) = material.medium() else { break };
-            let past = match media.cross(id, medium, it.is_front()) {
+            let id = scene.material_of(hit.placement, hit.prim);
+            let material = &scene.materials[id.index()];
+            let medium = material.medium();
+            if inside.is_none() && medium.is_none() {
+                break;
+            }
+            if inside.is_some() {
+                let length = scene.world.interaction(&ray, &hit).p.distance(start);
+                wave.paths.absorb(at + lane, scene.absorbed(inside, length));
+            }
+            let Some(medium) = medium else { break };
+            let past = match media.cross(id, medium, scene.world.is_front(&ray, &hit)) {
                 #[expect(
                     clippy::float_cmp,
                     reason = "between equal media nothing is seen and no direction may change"
                 )]
                 Crossing::Interface { eta, beyond: past } if eta != 1.0 || !material.is_interface() => {
-                    *behind = (past, eta);
+                    beyond.set(lane, eta, past);
                     break;
                 }
                 Crossing::Interface { beyond: past, .. } | Crossing::Hidden { beyond: past } => past,
@@ -248,6 +287,7 @@ fn arrive<A: Accel, const N: usize>(
             wave.slots.media[slot] = past;
             // Rays towards lights end here, so that nothing is left to share.
             wave.paths.forget_density(at + lane);
+            let it = scene.world.interaction(&ray, &hit);
             ray = it.spawn(ray.d);
             start = it.p;
             counters.hidden += 1;

@@ -2,9 +2,11 @@
 
 use super::met::WIDEST;
 use crate::geometry::PlacementId;
-use crate::material::Material;
+use crate::material::{Material, Scattering};
+use crate::math::Rgb;
 use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes};
 use crate::scene::Scene;
+use crate::texture::Texture;
 
 /// Stands for a shape whose primitives are of several materials.
 const SEVERAL: u32 = u32::MAX;
@@ -15,6 +17,10 @@ pub(super) struct Surfaces {
     materials: Vec<u32>,
     /// By material: 1 where it shines, else 0.
     shines: Vec<u32>,
+    /// By material: the first that scatters alike but for its colour.
+    alike: Vec<u32>,
+    /// By material: the colour of matt ones.
+    colors: Vec<[f32; 3]>,
     /// Whether any changes over its surface.
     pub(super) textured: bool,
     /// Whether any has a relief.
@@ -28,10 +34,19 @@ impl Surfaces {
         let placements = (0..).map(PlacementId).take(scene.world.placements.len());
         let materials = placements.map(|id| scene.only_material_of(id).map_or(SEVERAL, |id| id.0)).collect();
         let shines = scene.materials.iter().map(|material| u32::from(material.emission.is_some())).collect();
+        let alike = (0..).zip(&scene.materials).map(|(id, material)| {
+            let matt = flat_color(material)
+                .and_then(|_| scene.materials.iter().position(|m| flat_color(m).is_some()));
+            #[expect(clippy::cast_possible_truncation, reason = "materials are numbered by u32")]
+            matt.map_or(id, |first| first as u32)
+        });
+        let alike = alike.collect();
+        let color = |material: &Material| flat_color(material).unwrap_or(Rgb::BLACK);
+        let colors = scene.materials.iter().map(color).map(|Rgb { r, g, b }| [r, g, b]).collect();
         let any = |has: fn(&Material) -> bool| scene.materials.iter().any(has);
-        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.normal_map.is_some()));
+        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.relief.is_some()));
         let choices = any(|m| m.scattering.has_choice());
-        Self { materials, shines, textured, reliefs, choices }
+        Self { materials, shines, alike, colors, textured, reliefs, choices }
     }
 
     /// The material of each lane of the mask; unspecified in the others.
@@ -56,10 +71,31 @@ impl Surfaces {
         isa.load_u32(&names)
     }
 
+    /// The first materials that scatter as these do, but for their colour.
+    #[inline(always)]
+    pub(super) fn alike<S: Isa>(&self, isa: S, materials: S::I) -> S::I {
+        isa.gather_u32(&self.alike, materials)
+    }
+
+    /// What matt surfaces of one colour all over reflect.
+    #[inline(always)]
+    pub(super) fn colors<S: Isa>(&self, isa: S, materials: S::I) -> Rgb<S::F> {
+        let [r, g, b] = isa.gather_rows(&self.colors, materials);
+        Rgb::new(r, g, b)
+    }
+
     /// Whether the materials shine.
     #[inline(always)]
     pub(super) fn shine<S: Isa>(&self, isa: S, materials: S::I) -> S::M {
         Compare::<u32>::ne(isa.gather_u32(&self.shines, materials), 0)
+    }
+}
+
+/// What a matt surface reflects that is of one colour all over.
+fn flat_color(material: &Material) -> Option<Rgb<f32>> {
+    match &material.scattering {
+        Scattering::Diffuse { reflectance: Texture::Constant(color) } => Some(*color),
+        _ => None,
     }
 }
 

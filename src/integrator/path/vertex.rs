@@ -1,12 +1,12 @@
 //! What happens where the paths of a chunk meet surfaces: one pass over all lanes.
 
-use super::lights::Lights;
+use super::lights::{Lights, Picked};
 use super::met::{Met, WIDEST, hit_of};
 use super::surfaces::Surfaces;
 use super::wave::{Guarded, Guards, Paths, Shadows, Slots, Wave};
 use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Answer, Question, Step, ask};
-use crate::bsdf::with_lobe;
+use crate::bsdf::{Diffuse, with_lobe};
 use crate::geometry::{PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
@@ -17,7 +17,7 @@ use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Selec
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
-use crate::texture::Spot;
+use crate::texture::{Spot, Texture};
 
 /// What is the same for all vertices of a rendering.
 #[derive(Debug)]
@@ -28,6 +28,10 @@ pub(super) struct Surroundings<'a> {
     pub(super) sampler: SamplerKind,
     pub(super) seed: u32,
     pub(super) max_depth: u32,
+    /// The length from which paths may end at random.
+    pub(super) roulette: Option<u32>,
+    /// The most luminance of a piece of indirect light.
+    pub(super) limit: Option<f32>,
     /// Of the camera's rays.
     pub(super) coherence: Coherence,
     pub(super) bounces_in_packets: bool,
@@ -35,6 +39,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) splits: bool,
     /// Whether any surface bounds a medium.
     pub(super) media: bool,
+    /// Whether any medium absorbs light.
+    pub(super) absorbs: bool,
     /// Whether any surface is not the same in all directions.
     pub(super) turns: bool,
     /// Where surfaces show pictures: what the widths of rays follow from.
@@ -55,8 +61,26 @@ pub(super) struct Chunk<'a, const N: usize> {
     pub(super) to: usize,
     pub(super) depth: u32,
     pub(super) vertex: Vertex,
-    /// What lies behind the surface of each lane, and its index over that before it; where there are media.
-    pub(super) beyond: &'a [(Media, f32); N],
+    pub(super) beyond: &'a Beyond<N>,
+}
+
+/// What lies behind the surfaces of a chunk.
+#[derive(Clone, Copy)]
+pub(super) struct Beyond<const N: usize> {
+    /// The index of each over that before it.
+    pub(super) eta: [f32; N],
+    /// The media; unspecified where the same are in front.
+    pub(super) media: [Media; N],
+    /// The lanes where others are in front.
+    pub(super) changed: u32,
+}
+
+impl<const N: usize> Beyond<N> {
+    /// Notes the surface of a medium.
+    pub(super) fn set(&mut self, lane: usize, eta: f32, media: Media) {
+        (self.eta[lane], self.media[lane]) = (eta, media);
+        self.changed |= 1 << lane;
+    }
 }
 
 impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
@@ -67,7 +91,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
     fn run(self, isa: S) -> usize {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
         let Wave { paths, shadows, guards, slots } = wave;
-        let lanes = State::load(isa, paths, at);
+        let lanes = State::load(isa, (paths, at), around.lights.uses_normals());
         let mut met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
         if met.hit.none() {
@@ -101,12 +125,14 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             choice,
             direction: sampler.get_2d(Dim::LobeDirection, vertex),
             // Where media hide surfaces, paths get to lights that rays towards them do not reach.
-            last: depth + 1 == around.max_depth && !around.media,
+            last: depth + 1 == around.max_depth && !around.media && !around.lights.are_left_to_lobes(),
         };
-        let mut found = scatter(isa, around.scene, &met, beyond, &question);
+        let mut found = scatter(isa, (around.scene, around.surfaces), &met, beyond, &question);
+        let own = (&lanes, met.hit, &mut found.step);
+        counters.cut_by_roulette += roulette(isa, (around, slots, depth), own, beyond, (&sampler, vertex));
         let at = Here { scene: around.scene, packet, lanes: &lanes, met: &met, shading: &shading };
         ask_lights(isa, (shadows, guards), &at, (&light, &question), found.lit);
-        if around.media {
+        if around.absorbs {
             absorb_shadows(around.scene, shadows, slots);
         }
         if question.last {
@@ -122,7 +148,8 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if let (Some(beam), Some((cone, length))) = (around.beam, cone) {
             paths.widen(to, next.goes, beam.scattered(cone, length, next.pdf));
         }
-        next.store(paths, to, &lanes)
+        let normals = if around.lights.uses_normals() { Some(shading.frame.z) } else { None };
+        next.store(paths, to, (&lanes, normals))
     }
 }
 
@@ -134,15 +161,19 @@ struct State<S: Isa> {
     beta: Rgb<S::F>,
     pdf: S::F,
     slot: S::I,
+    /// The normal where the ray left, if normals count in the choice of lights; else unspecified.
+    n: Vec3<S::F>,
 }
 
 impl<S: Isa> State<S> {
     #[inline(always)]
-    fn load(isa: S, paths: &Paths, at: usize) -> Self {
+    fn load(isa: S, (paths, at): (&Paths, usize), normals: bool) -> Self {
         let rays = &paths.rays;
+        let d = rays.d.vector(isa, at);
         Self {
             o: rays.o.vector(isa, at),
-            d: rays.d.vector(isa, at),
+            d,
+            n: if normals { paths.normal.vector(isa, at) } else { d },
             time: rays.time.load(isa, at),
             beta: paths.beta.color(isa, at),
             pdf: paths.pdf.load(isa, at),
@@ -177,14 +208,12 @@ fn escape<S: Isa>(isa: S, around: &Surroundings<'_>, slots: &mut Slots, lanes: &
         Some(radiance) => Rgb::splat(isa.splat(0.0), radiance),
         None => {
             let mut rows = [[0.0; WIDEST]; 3];
-            let probability = around.lights.probability(id);
-            let whole = &around.scene.lights[id.index()];
             let mut bits = missed.bits();
             while bits != 0 {
                 let lane = bits.trailing_zeros() as usize;
                 bits &= bits - 1;
                 let (d, o) = (lanes.d.extract(lane), lanes.o.extract(lane));
-                let asked = probability * whole.pdf(Reference { p: o, n: d }, d, None);
+                let asked = around.lights.pdf(around.scene, id, (Reference { p: o, n: d }, d), None);
                 let share = share(lanes.pdf.extract(lane), asked);
                 let Rgb { r, g, b } = environment.radiance(d.into()).scale(share);
                 [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
@@ -226,9 +255,10 @@ fn shine<S: Isa, const N: usize>(
         let placement = PlacementId(met.placements.extract(lane));
         let emitter =
             Emitter { p: met.points.p.extract(lane).into(), ng: ng.into(), prim: packet.hit.prim[lane] };
-        let asked = scene.light_id_of(placement).map_or(0.0, |id| {
-            let at = Reference { p: lanes.o.extract(lane), n: d };
-            around.lights.probability(id) * scene.lights[id.index()].pdf(at, d, Some(&emitter))
+        let shared = scene.light_id_of(placement).filter(|_| lanes.pdf.extract(lane) > 0.0);
+        let asked = shared.map_or(0.0, |id| {
+            let at = Reference { p: lanes.o.extract(lane), n: lanes.n.extract(lane) };
+            around.lights.pdf(scene, id, (at, d), Some(&emitter))
         });
         let Rgb { r, g, b } = emitted.scale(share(lanes.pdf.extract(lane), asked));
         [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
@@ -266,7 +296,7 @@ fn relieved<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
         let material = &scene.materials[met.materials.extract(lane) as usize];
-        if material.normal_map.is_none() {
+        if material.relief.is_none() {
             continue;
         }
         if let Some(ns) = relief_of(scene, (packet, lane), material, met.footprint.extract(lane)) {
@@ -338,21 +368,26 @@ fn asked<S: Isa>(
     let reference = Reference { p: met.points.p, n };
     let u2 = sampler.get_2d(Dim::LightPoint(0), vertex);
     if let Some(only) = lights.only() {
-        return from_light(isa, &around.scene.lights[only.index()], 1.0, (reference, u2));
+        let light = (&around.scene.lights[only.index()], None);
+        return from_light(isa, light, (isa.splat(1.0), lights.favour()), (reference, u2));
     }
     let u = sampler.get_1d(Dim::LightChoice, vertex);
-    let mut chosen = [u32::MAX; WIDEST];
-    for (lane, id) in chosen.iter_mut().enumerate().take(S::WIDTH) {
-        *id = lights.chosen(u.extract(lane)).0;
-    }
+    let Picked { ids: chosen, parts, probability } = lights.pick(isa, reference, u);
     let ids = isa.load_u32(&chosen);
+    let exists = probability.gt(0.0);
+    let probability = S::F::select(exists, probability, isa.splat(1.0));
     let mut all = nothing;
-    let mut bits = met.hit.bits();
+    let mut bits = (met.hit & exists).bits();
     while bits != 0 {
         let id = chosen[bits.trailing_zeros() as usize];
-        let same = Compare::<u32>::eq(ids, id);
-        let (light, probability) = (&around.scene.lights[id as usize], lights.probability(LightId(id)));
-        all = Asked::select(same, from_light(isa, light, probability, (reference, u2)), all);
+        let same = Compare::<u32>::eq(ids, id) & exists;
+        let light = &around.scene.lights[id as usize];
+        let part = if lights.is_split(LightId(id)) { Some(parts) } else { None };
+        all = Asked::select(
+            same,
+            from_light(isa, (light, part), (probability, lights.favour()), (reference, u2)),
+            all,
+        );
         bits &= !same.bits();
     }
     all
@@ -376,24 +411,30 @@ impl<S: Isa> Asked<S> {
 #[inline(always)]
 fn from_light<S: Isa>(
     isa: S,
-    light: &Light,
-    probability: f32,
+    (light, part): (&Light, Option<S::I>),
+    (probability, favour): (S::F, f32),
     (reference, u2): (Reference<S::F>, [S::F; 2]),
 ) -> Asked<S> {
-    let LightSample { wi, p, li, pdf, valid } = ask_light(isa, light, reference, u2);
+    let LightSample { wi, p, li, pdf, valid } = ask_light(isa, (light, part), reference, u2);
     let pdf = pdf * probability;
-    let shared_pdf = if light.is_delta() { isa.splat(f32::INFINITY) } else { pdf };
+    let shared_pdf = if light.is_delta() { isa.splat(f32::INFINITY) } else { pdf * favour };
     Asked { wi, p, li, pdf, shared_pdf, infinite: isa.splat_mask(light.is_infinite()), valid }
 }
 
 /// A function of its own per instruction set, as for lobes.
 #[inline(never)]
-fn ask_light<S: Isa>(isa: S, light: &Light, reference: Reference<S::F>, u2: [S::F; 2]) -> LightSample<S::F> {
-    isa.run(AskLight { light, reference, u2 })
+fn ask_light<S: Isa>(
+    isa: S,
+    (light, part): (&Light, Option<S::I>),
+    reference: Reference<S::F>,
+    u2: [S::F; 2],
+) -> LightSample<S::F> {
+    isa.run(AskLight { light, part, reference, u2 })
 }
 
-struct AskLight<'a, F> {
+struct AskLight<'a, F: Lanes> {
     light: &'a Light,
+    part: Option<F::Int>,
     reference: Reference<F>,
     u2: [F; 2],
 }
@@ -402,7 +443,7 @@ impl<S: Isa> Kernel<S> for AskLight<'_, S::F> {
     type Output = LightSample<S::F>;
     #[inline(always)]
     fn run(self, _isa: S) -> LightSample<S::F> {
-        self.light.sample(self.reference, self.u2)
+        self.light.sample_part(self.reference, self.part, self.u2)
     }
 }
 
@@ -410,19 +451,26 @@ impl<S: Isa> Kernel<S> for AskLight<'_, S::F> {
 #[inline(always)]
 fn scatter<S: Isa, const N: usize>(
     isa: S,
-    scene: &Scene,
+    (scene, surfaces): (&Scene, &Surfaces),
     met: &Met<S>,
-    beyond: &[(Media, f32); N],
+    beyond: &Beyond<N>,
     question: &Question<S::F>,
 ) -> Answer<S::F> {
-    let eta = isa.per_lane(|lane| beyond[lane].1);
+    let eta = isa.load(&beyond.eta);
     let mut all = Answer::black(question.wo);
     let mut bits = met.hit.bits();
+    let kinds = surfaces.alike(isa, met.materials);
     while bits != 0 {
-        let id = met.materials.extract(bits.trailing_zeros() as usize);
-        let same = Compare::<u32>::eq(met.materials, id) & met.hit;
+        let id = kinds.extract(bits.trailing_zeros() as usize);
+        let same = Compare::<u32>::eq(kinds, id) & met.hit;
         bits &= !same.bits();
-        let found = of_material(isa, &scene.materials[id as usize].scattering, (met, eta), question);
+        let found = match &scene.materials[id as usize].scattering {
+            Scattering::Diffuse { reflectance: Texture::Constant(_) } => {
+                let reflectance = surfaces.colors(isa, S::I::select(same, met.materials, isa.splat_u32(id)));
+                ask(isa, &Diffuse { reflectance }, question)
+            }
+            scattering => of_material(isa, scattering, (met, eta), question),
+        };
         if same.bits() == met.hit.bits() {
             return found;
         }
@@ -445,6 +493,73 @@ fn of_material<S: Isa>(
             None => Answer::black(question.wo),
         },
     }
+}
+
+/// The part of what reaches the pixel from which on a path goes on for sure: at 1, as others have it, noise grows more than time
+/// shrinks where paths are short; see `benches/record/lights.md`.
+const FULL: f32 = 0.25;
+
+/// The least probability with which a path goes on: what survives counts twenty times at most.
+const LEAST_SURVIVAL: f32 = 0.05;
+
+/// Ends ways on at random, the less they carry the likelier, and lets the others count for them. How many ended.
+///
+/// What radiance has grown by on its way through glass is no gain of light: it does not count.
+#[inline(always)]
+fn roulette<S: Isa, const N: usize>(
+    isa: S,
+    (around, slots, depth): (&Surroundings<'_>, &Slots, u32),
+    (lanes, hit, step): (&State<S>, S::M, &mut Step<S::F>),
+    beyond: &Beyond<N>,
+    (sampler, vertex): (&impl Sampler<I = S::I>, Vertex),
+) -> u64 {
+    if around.roulette.is_none_or(|first| depth < first) {
+        return 0;
+    }
+    let mut carried = (lanes.beta * step.weight).max_channel();
+    if around.media {
+        carried *= radiance_scale(isa, slots, (lanes, step), beyond);
+    }
+    let survival = (carried * (1.0 / FULL)).clamp(LEAST_SURVIVAL, 1.0);
+    let ends = sampler.get_1d(Dim::Roulette, vertex).ge(survival);
+    let cut = (step.valid & hit & ends).count() as u64;
+    step.valid = step.valid & !ends;
+    step.weight *= survival.recip();
+    cut
+}
+
+/// The squared index of refraction of what each way on goes through: radiance in glass is greater by it, and light that comes out
+/// loses it again.
+#[inline(always)]
+fn radiance_scale<S: Isa, const N: usize>(
+    isa: S,
+    slots: &Slots,
+    (lanes, step): (&State<S>, &Step<S::F>),
+    beyond: &Beyond<N>,
+) -> S::F {
+    let mut names = [0; WIDEST];
+    lanes.slot.store(&mut names);
+    isa.load(&squared_indices(slots, (&names, step.crosses.bits(), step.valid.bits()), beyond))
+}
+
+/// Out of line: scalar work, the same for all instruction sets.
+#[inline(never)]
+fn squared_indices<const N: usize>(
+    slots: &Slots,
+    (names, crossing, valid): (&[u32; WIDEST], u32, u32),
+    beyond: &Beyond<N>,
+) -> [f32; WIDEST] {
+    let mut squares = [1.0; WIDEST];
+    for (lane, square) in squares.iter_mut().enumerate().take(N) {
+        if valid >> lane & 1 == 0 {
+            continue;
+        }
+        let crosses = crossing & beyond.changed;
+        let media =
+            if crosses >> lane & 1 == 1 { &beyond.media[lane] } else { &slots.media[names[lane] as usize] };
+        *square = media.ior() * media.ior();
+    }
+    squares
 }
 
 /// One of the layers is chosen for the way on, each with the probability of its greatest weight.
@@ -648,7 +763,10 @@ fn go_on<S: Isa, const N: usize>(
 impl<S: Isa> Next<S> {
     /// Packs them to `to` and on; how many there are.
     #[inline(always)]
-    fn store(self, paths: &mut Paths, to: usize, lanes: &State<S>) -> usize {
+    fn store(self, paths: &mut Paths, to: usize, (lanes, normals): (&State<S>, Option<Vec3<S::F>>)) -> usize {
+        if let Some(n) = normals {
+            paths.normal.pack(to, self.goes, n);
+        }
         paths.rays.pack(to, self.goes, (self.o, self.d, lanes.time, lanes.slot));
         paths.beta.pack(to, self.goes, Vec3::new(self.beta.r, self.beta.g, self.beta.b));
         paths.pdf.store(to, self.pdf.compress(self.goes));
@@ -658,17 +776,12 @@ impl<S: Isa> Next<S> {
 
 /// The media of those that cross a surface.
 #[inline(always)]
-fn cross<I: IntLanes, const N: usize>(
-    slots: &mut Slots,
-    names: I,
-    crossing: I::Mask,
-    beyond: &[(Media, f32); N],
-) {
-    let mut bits = crossing.bits();
+fn cross<I: IntLanes, const N: usize>(slots: &mut Slots, names: I, crossing: I::Mask, beyond: &Beyond<N>) {
+    let mut bits = crossing.bits() & beyond.changed;
     while bits != 0 {
         let lane = bits.trailing_zeros() as usize;
         bits &= bits - 1;
-        slots.media[names.extract(lane) as usize] = beyond[lane].0;
+        slots.media[names.extract(lane) as usize] = beyond.media[lane];
     }
 }
 
@@ -677,6 +790,9 @@ fn cross<I: IntLanes, const N: usize>(
 fn absorb_shadows(scene: &Scene, shadows: &mut Shadows, slots: &Slots) {
     for i in shadows.absorbed..shadows.rays.len {
         let medium = slots.media[shadows.rays.slot.all()[i] as usize].current();
+        if medium.is_none() {
+            continue;
+        }
         let d = glam::Vec3::from(shadows.rays.d.get(i));
         let length = if shadows.end.all()[i].is_finite() { d.length() } else { f32::INFINITY };
         let left = scene.absorbed(medium, length);

@@ -192,6 +192,8 @@ pub(super) struct Paths {
     pub(super) beta: Columns3,
     /// Density of the ray's direction; 0 where lights are not asked for the same.
     pub(super) pdf: Column,
+    /// The shading normal where the ray left; unused where the choice of lights knows no normals.
+    pub(super) normal: Columns3,
     /// Width and spread of the cone about the ray, from the second edge on; unused where no surface shows a picture.
     cone: [Column; 2],
 }
@@ -201,6 +203,7 @@ impl Paths {
         self.rays.reserve(len);
         self.beta.reserve(len);
         self.pdf.reserve(len);
+        self.normal.reserve(len);
         self.cone.iter_mut().for_each(|column| column.reserve(len));
     }
 
@@ -297,6 +300,10 @@ pub(super) struct Slots {
     pub(super) met: Vec<bool>,
     /// What the path is inside of; empty where the scene has no media.
     pub(super) media: Vec<Media>,
+    /// The most luminance that one piece of light may bring now, if there is a limit.
+    pub(super) limit: Option<f32>,
+    /// Luminance beyond it.
+    pub(super) clamped: f64,
 }
 
 impl Slots {
@@ -328,9 +335,36 @@ impl Slots {
         slots.store(&mut names);
         while bits != 0 {
             let lane = bits.trailing_zeros() as usize;
-            self.sum[names[lane] as usize] += Rgb::new(rows[0][lane], rows[1][lane], rows[2][lane]);
+            self.bring(names[lane], Rgb::new(rows[0][lane], rows[1][lane], rows[2][lane]));
             bits &= bits - 1;
         }
+    }
+
+    /// Adds light to a sample, as much as the limit allows.
+    #[inline]
+    pub(super) fn bring(&mut self, name: u32, light: Rgb<f32>) {
+        let light = match self.limit {
+            Some(limit) if light.luminance() > limit => self.cut(light, limit),
+            _ => light,
+        };
+        self.sum[name as usize] += light;
+    }
+
+    /// The light as bright as allowed.
+    #[inline(never)]
+    fn cut(&mut self, light: Rgb<f32>, limit: f32) -> Rgb<f32> {
+        let luminance = light.luminance();
+        if !luminance.is_finite() {
+            // To be found and counted with the sample.
+            return light;
+        }
+        self.clamped += f64::from(luminance - limit);
+        light.scale(limit / luminance)
+    }
+
+    /// Luminance of all samples.
+    pub(super) fn luminance(&self) -> f64 {
+        self.sum.iter().map(|light| f64::from(light.luminance())).sum()
     }
 }
 
@@ -356,6 +390,7 @@ impl Wave {
         self.slots.direct.clear();
         self.slots.met.clear();
         self.slots.media.clear();
+        self.slots.clamped = 0.0;
         self.paths.rays.len = 0;
     }
 

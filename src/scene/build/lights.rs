@@ -1,7 +1,7 @@
 //! Lights, and the surfaces of those that have one.
 
 use crate::error::{Place, Problem};
-use crate::geometry::{Disc, Shape, Sphere};
+use crate::geometry::{Disc, Mesh, Shape, Sphere};
 use crate::image;
 use crate::light::{
     Area, Directional, DiscArea, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
@@ -9,10 +9,11 @@ use crate::light::{
 };
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
+use crate::sampling::TableError;
 use crate::scene::build::{Builder, forms, number, steps, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::texture::Texture;
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 use std::path::PathBuf;
 
 impl Builder {
@@ -71,7 +72,7 @@ impl Builder {
     fn add_shining(&mut self, shape: Shape, light: Light, radiance: Rgb<f32>, origin: &Place) {
         let emission = Some(Emission { radiance: Texture::Constant(radiance), two_sided: false });
         let name = format!("emission_{}", self.materials.len());
-        let material = Material { scattering: Scattering::Black, emission, normal_map: None, opacity: None };
+        let material = Material { scattering: Scattering::Black, emission, relief: None, opacity: None };
         let material = self.add_material(name, material);
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material], origin);
@@ -85,7 +86,7 @@ impl Builder {
         transform: &[Located<Step>],
         place: &Place,
     ) {
-        let Some(loaded) = self.mesh_of_file(file, Normals::Flat) else { return };
+        let Some(loaded) = self.mesh_of_file(file, Normals::File) else { return };
         let shape = Shape::Mesh(loaded.mesh);
         let own = DAffine3::from_translation(loaded.origin);
         let map = match steps::transform(transform, |map| steps::extent_of(&shape, &(*map * own))) {
@@ -93,10 +94,8 @@ impl Builder {
             Err(problem) => return self.problems.push(problem),
         };
         let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else { return };
-        let triangles = (0..number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
-        match MeshArea::new(triangles) {
-            Ok(surface) => {
-                let light = Light::Mesh(Area { surface, radiance, two_sided: false });
+        match of_triangles(shining(&mesh), radiance, false) {
+            Ok(light) => {
                 let groups = mesh.group_count();
                 self.add_shining(Shape::Mesh(mesh), light, radiance, place);
                 // A file's own materials do not matter to a light.
@@ -137,4 +136,31 @@ impl Builder {
         };
         self.environment = self.add_light(Light::Environment(environment));
     }
+}
+
+/// The corners of the triangles of a mesh, counter-clockwise seen from the side that shines.
+pub(super) fn shining(mesh: &Mesh) -> Vec<[Vec3; 3]> {
+    let triangles = 0..number(mesh.triangles().len());
+    triangles.map(|i| sorted(mesh, i, mesh.corners(i))).collect()
+}
+
+/// What belongs to the corners of a triangle, in the order of [`shining`]. Normals of corners are more often right than the winding, as
+/// hits have it.
+pub(super) fn sorted<T: Copy>(mesh: &Mesh, triangle: u32, [x, y, z]: [T; 3]) -> [T; 3] {
+    let [a, b, c] = mesh.corners(triangle);
+    let own = (b - a).cross(c - a);
+    let is_turned = |normals: [Vec3; 3]| normals.iter().sum::<Vec3>().dot(own) < 0.0;
+    if mesh.corner_normals(triangle).is_some_and(is_turned) { [x, z, y] } else { [x, y, z] }
+}
+
+/// A light made of triangles that shine alike: a rectangle where two of them make up one.
+pub(super) fn of_triangles(
+    triangles: Vec<[Vec3; 3]>,
+    radiance: Rgb<f32>,
+    two_sided: bool,
+) -> Result<Light, TableError> {
+    if let Some(surface) = RectangleArea::of_triangles(&triangles) {
+        return Ok(Light::Rectangle(Area { surface, radiance, two_sided }));
+    }
+    Ok(Light::Mesh(Area { surface: MeshArea::new(triangles)?, radiance, two_sided }))
 }

@@ -103,9 +103,9 @@ impl Builder {
             description::Scattering::Emission { .. } => None,
             _ => shining(self.colored(&described.emission, f32::INFINITY), false),
         };
-        let normal_map = described.normal_map.as_ref().and_then(|map| self.normal_map(map));
+        let relief = self.relief(described);
         let opacity = described.opacity.as_ref().and_then(|image| self.opacity(image));
-        Material { scattering, emission, normal_map, opacity }
+        Material { scattering, emission, relief, opacity }
     }
 
     /// Surfaces without an interface.

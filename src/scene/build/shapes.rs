@@ -5,7 +5,7 @@ use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
 use crate::scene::build::way::{Placed, Way};
-use crate::scene::build::{Builder, forms, steps};
+use crate::scene::build::{Builder, forms, lights, steps};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::track::Track;
@@ -294,19 +294,18 @@ impl Builder {
                 Light::Disc(Area { surface: DiscArea::new(center, normal, radius), radiance, two_sided })
             }
             Shape::Mesh(mesh) => {
-                let triangles = (0..super::number(mesh.triangles().len())).map(|i| mesh.corners(i)).collect();
-                let surface =
-                    MeshArea::new(triangles).map_err(|error| format!("an emitting mesh: {error}"))?;
-                let surface = if texture.is_constant() {
-                    surface
+                let triangles = lights::shining(&mesh);
+                let wrong = |error| format!("an emitting mesh: {error}");
+                if texture.is_constant() {
+                    lights::of_triangles(triangles, radiance, two_sided).map_err(wrong)?
                 } else {
                     // Without surface parameters of its own a triangle has its barycentric ones.
                     let own = [Vec2::ZERO, Vec2::X, Vec2::Y];
-                    let corners = |i| mesh.corner_uvs(i).unwrap_or(own);
+                    let corners = |i| lights::sorted(&mesh, i, mesh.corner_uvs(i).unwrap_or(own));
                     let uvs: Vec<_> = (0..super::number(mesh.triangles().len())).map(corners).collect();
-                    surface.painted(&uvs, texture)
-                };
-                Light::Mesh(Area { surface, radiance, two_sided })
+                    let surface = MeshArea::new(triangles).map_err(wrong)?.painted(&uvs, texture);
+                    Light::Mesh(Area { surface, radiance, two_sided })
+                }
             }
             Shape::Surface(_) => {
                 return Err("only meshes, spheres and discs can be lights; use one of those".to_owned());

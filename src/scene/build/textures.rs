@@ -5,7 +5,9 @@ use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Located, ScalarTexture};
-use crate::texture::{Bitmap, Channel, Mapped, NormalMap, Scalar, Space, Texture, Wrap};
+use crate::texture::{
+    Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture, Wrap,
+};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -61,13 +63,7 @@ impl Builder {
     pub(super) fn scalar(&mut self, image: &ScalarTexture) -> Option<Scalar> {
         let &ScalarTexture { ref file, channel, space, wrap, repeat, offset, factor } = image;
         let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset })?;
-        let channel = match channel {
-            None | Some(description::Channel::Red) => Channel::Red,
-            Some(description::Channel::Green) => Channel::Green,
-            Some(description::Channel::Blue) => Channel::Blue,
-            Some(description::Channel::Alpha) => Channel::Alpha,
-        };
-        Some(Scalar { map, channel, factor })
+        Some(Scalar { map, channel: channel_of(channel), factor })
     }
 
     /// Where a surface is; coverage where the file has it.
@@ -92,7 +88,38 @@ impl Builder {
     }
 
     /// A relief.
-    pub(super) fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
+    pub(super) fn relief(&mut self, material: &description::Material) -> Option<Relief> {
+        match (&material.normal_map, &material.bump) {
+            (Some(normals), None) => Some(Relief::Normals(self.normal_map(normals)?)),
+            (None, Some(heights)) => self.bump(heights),
+            (None, None) => None,
+            (Some(_), Some(heights)) => {
+                let problem = Problem::at(heights.file.place.clone(), "`bump` beside `normal_map`");
+                self.problems.push(problem.remedy("give one of them"));
+                None
+            }
+        }
+    }
+
+    /// Heights. What MTL files call so are often normals.
+    fn bump(&mut self, described: &description::Bump) -> Option<Relief> {
+        let &description::Bump { ref file, channel, strength, height, wrap, repeat, offset } = described;
+        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        let [r, g, b, _] = map.bitmap.mean();
+        let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
+        if are_normals && channel.is_none() {
+            if self.textures.lenient {
+                return Some(Relief::Normals(NormalMap { map, strength: 1.0, flip_y: false }));
+            }
+            let what = format!("`{}` looks like a picture of normals, not of heights", file.value.display());
+            let remedy = "name it `normal_map`, or say which `channel` has the heights";
+            self.warnings.push(Problem::at(file.place.clone(), what).remedy(remedy));
+        }
+        let height = height.map_or(Height::Texels(strength), Height::Metres);
+        Some(Relief::Heights(Heights { map, channel: channel_of(channel), height }))
+    }
+
+    fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
         let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
         let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
         Some(NormalMap { map, strength, flip_y })
@@ -149,6 +176,16 @@ impl Builder {
         self.warnings.extend(raster.warnings.iter().cloned());
         let own = if raster.encoded { Space::Srgb } else { Space::Linear };
         Some(Bitmap::new(&raster, space.unwrap_or(own)))
+    }
+}
+
+/// The channel that is said, else that of gray pictures.
+fn channel_of(said: Option<description::Channel>) -> Channel {
+    match said {
+        None | Some(description::Channel::Red) => Channel::Red,
+        Some(description::Channel::Green) => Channel::Green,
+        Some(description::Channel::Blue) => Channel::Blue,
+        Some(description::Channel::Alpha) => Channel::Alpha,
     }
 }
 

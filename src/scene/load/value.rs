@@ -2,7 +2,7 @@
 
 use crate::math::Rgb;
 use crate::scene::description::{
-    Checker, ImageTexture, Located, Named, PerAxis, PerTangent, Roughness, ScalarTexture, Texture,
+    Checker, ImageTexture, Knob, Located, Named, PerAxis, PerTangent, Roughness, ScalarTexture, Texture,
 };
 use crate::scene::load::node::{Content, Node};
 use crate::scene::load::report::Report;
@@ -444,6 +444,31 @@ impl Value for Roughness {
         match self {
             Self::Constant(width) => width.to_json(),
             Self::Image(image) => image.to_json(),
+        }
+    }
+}
+
+impl<T: Value> Value for Knob<T> {
+    fn decode(node: &Node, key: &str, rules: &Rules, report: &mut Report) -> Option<Self> {
+        match node.text() {
+            Some("off") => Some(Self::Off),
+            Some(text) => mismatch(node, key, &format!("`{text}`"), rules, report),
+            None => T::decode(node, key, rules, report).map(Self::At),
+        }
+    }
+
+    fn expects(rules: &Rules) -> String {
+        format!("{}, or `off`", T::expects(rules))
+    }
+
+    fn schema(rules: &Rules, definitions: &mut Map<String, Json>) -> Json {
+        json!({ "anyOf": [T::schema(rules, definitions), { "const": "off" }] })
+    }
+
+    fn to_json(&self) -> Json {
+        match self {
+            Self::Off => "off".into(),
+            Self::At(value) => value.to_json(),
         }
     }
 }

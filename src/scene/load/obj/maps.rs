@@ -7,7 +7,9 @@
 use crate::error::{Place, Problem};
 use crate::image::RASTERS;
 use crate::math::Rgb;
-use crate::scene::description::{ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap};
+use crate::scene::description::{
+    Bump, ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
+};
 use crate::scene::load::files;
 use std::path::{Path, PathBuf};
 
@@ -22,6 +24,8 @@ pub(super) enum Use {
     Opacity,
     /// `norm`.
     Normal,
+    /// `map_Bump` or `bump`.
+    Bump,
 }
 
 impl Use {
@@ -31,6 +35,7 @@ impl Use {
             "map_Ke" => Self::Emission,
             "map_d" => Self::Opacity,
             "norm" => Self::Normal,
+            "map_bump" | "map_Bump" | "bump" => Self::Bump,
             _ => return None,
         })
     }
@@ -41,7 +46,7 @@ impl Use {
             Self::Diffuse => "the surface is made gray",
             Self::Emission => "the surface shines as `Ke` says",
             Self::Opacity => "the surface is left whole",
-            Self::Normal => "the surface is left even",
+            Self::Normal | Self::Bump => "the surface is left even",
         }
     }
 }
@@ -54,6 +59,7 @@ pub(super) struct Maps {
     emission: Option<Map>,
     pub(super) opacity: Option<Map>,
     pub(super) normal: Option<Map>,
+    pub(super) bump: Option<Map>,
 }
 
 /// A picture, and how it lies.
@@ -80,6 +86,7 @@ impl Maps {
             Use::Emission => self.emission = map,
             Use::Opacity => self.opacity = map,
             Use::Normal => self.normal = map,
+            Use::Bump => self.bump = map,
         }
         result
     }
@@ -122,7 +129,7 @@ impl Map {
                 "clamp" if words.first() == Some(&"on") => wrap = Wrap::Clamp,
                 "o" => offset.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
                 "s" => repeat.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
-                "bm" => strength = numbers.first().copied().unwrap_or(1.0).max(0.0),
+                "bm" => strength = numbers.first().copied().unwrap_or(1.0),
                 _ => {}
             }
             rest = after;
@@ -152,9 +159,16 @@ impl Map {
         ScalarTexture { file, channel: None, space: Space::Linear, wrap, repeat, offset, factor: 1.0 }
     }
 
-    /// A relief.
+    /// A relief of heights. The unit of `-bm` is not said; texels are what programs of its time counted in.
+    pub(super) fn heights(self) -> Bump {
+        let Self { file, wrap, repeat, offset, strength } = self;
+        Bump { file, channel: None, strength, height: None, wrap, repeat, offset }
+    }
+
+    /// A relief of normals.
     pub(super) fn normal(self) -> NormalMap {
         let Self { file, wrap, repeat, offset, strength } = self;
+        let strength = strength.max(0.0);
         NormalMap { file, strength, flip_y: false, wrap, repeat, offset }
     }
 }

@@ -27,7 +27,7 @@
 //!
 //! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_Ke` shines, times `Ke`
 //! likewise. `map_d` cuts holes,
-//! `norm` is a normal map. A file that is not there is told, and the base is gray 0.5.
+//! `norm` is a normal map; `map_Bump` and `bump` are heights, or normals where the picture looks like that. A file that is not there is told, and the base is gray 0.5.
 
 use super::maps::{Map, Maps, Use};
 use super::outline::keyword;
@@ -70,7 +70,7 @@ impl Library {
         }
         if statements.textures > 0 {
             let what = format!(
-                "textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, {} in all",
+                "textures other than `map_Kd`, `map_Ke`, `map_d`, `map_Bump` and `norm` are not read, {} in all",
                 statements.textures
             );
             self.warnings.push(Problem::at(Place::file(path), what));
@@ -85,7 +85,7 @@ impl Library {
 }
 
 /// Statements of textures whose names do not start in `map_`.
-const TEXTURES: [&str; 4] = ["bump", "decal", "disp", "refl"];
+const TEXTURES: [&str; 3] = ["decal", "disp", "refl"];
 
 /// What is to be read by tobj.
 #[derive(Debug, Default)]
@@ -140,8 +140,9 @@ fn understand(said: &tobj::Material, maps: Maps) -> Material {
     {
         return Scattering::Emission { radiance: emission, two_sided: false }.into();
     }
-    let (normal_map, opacity) = (maps.normal.map(Map::normal), maps.opacity.map(Map::opacity));
-    Material { emission, normal_map, opacity, scattering }
+    let normal_map = maps.normal.map(Map::normal);
+    let bump = maps.bump.filter(|_| normal_map.is_none()).map(Map::heights);
+    Material { emission, normal_map, bump, opacity: maps.opacity.map(Map::opacity), scattering }
 }
 
 fn scattering(said: &tobj::Material, maps: &Maps) -> Scattering {
@@ -343,7 +344,7 @@ mod tests {
             "x.mtl:4: no such file `x.png`; paths are relative to the file that names them; the surface is made gray",
             "x.mtl:5: `Ks 1 2` makes no sense and is ignored; give `Ks` finite numbers",
             "x.mtl:6: `illum -1` makes no sense and is ignored; give `illum` finite numbers",
-            "x.mtl: textures other than `map_Kd`, `map_Ke`, `map_d` and `norm` are not read, 1 in all",
+            "x.mtl: textures other than `map_Kd`, `map_Ke`, `map_d`, `map_Bump` and `norm` are not read, 1 in all",
         ];
         assert_eq!(warnings, expected, "warnings");
     }
