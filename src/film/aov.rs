@@ -194,6 +194,11 @@ impl Layout {
         self.aovs.iter().any(|aov| aov.is_feature())
     }
 
+    /// Whether anything is kept of what surfaces look like, and not only of where and what they are.
+    pub fn has_colours(&self) -> bool {
+        self.has(Aov::Albedo) || self.has(Aov::Normal)
+    }
+
     /// Whether anything is kept of the numbers of things.
     pub fn has_ids(&self) -> bool {
         self.aovs.iter().any(|aov| aov.is_of_ids())

@@ -43,9 +43,9 @@ pub struct Features {
 const MOST_POLISHED: u32 = 16;
 
 impl Features {
-    /// Of one camera ray; `None` where it hits nothing.
+    /// Of one camera ray; `None` where it hits nothing. Where nobody asks for `colours`, albedo and normal are those of nothing in particular.
     #[must_use]
-    pub fn of<A: Accel>(stage: &Stage<'_, A>, camera: &CameraRay) -> Option<Self> {
+    pub fn of<A: Accel>(stage: &Stage<'_, A>, camera: &CameraRay, colours: bool) -> Option<Self> {
         let mut worker = Worker::default();
         let beam = Beam::of(stage.scene);
         let mut node = Node::of_camera(camera, stage.eye_media, beam);
@@ -62,6 +62,9 @@ impl Features {
             object: it.placement,
             material: stage.scene.material(it).0,
         };
+        if !colours {
+            return Some(features);
+        }
         let mut tint = Rgb::WHITE;
         let mut arrival = first;
         for _ in 0..MOST_POLISHED {

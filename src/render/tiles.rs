@@ -219,7 +219,8 @@ impl<A> Work<'_, A> {
         let plan = self.plan;
         let CameraSamples { o, d, time, .. } = plan.camera_samples([x, y], &plan.start([x, y], index));
         let ray = Ray::new(o.into(), d.into()).at_time(time);
-        Features::of(&self.eye.stage(time), &CameraRay { ray, found: None })
+        let camera = CameraRay { ray, found: None };
+        Features::of(&self.eye.stage(time), &camera, plan.layout.has_colours())
     }
 
     /// Tells of samples taken; fails if somebody wants to stop.
