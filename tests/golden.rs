@@ -31,7 +31,7 @@ struct Way {
     needs: Needs,
 }
 
-/// Which scenes a way has all the light of, or has it before the sun sets.
+/// Which scenes a way has all the light of, and finds it with few samples.
 #[derive(Clone, Copy, PartialEq)]
 enum Needs {
     /// Any.
