@@ -217,7 +217,7 @@ fn knobs_of_paths_are_told() {
     for (key, value) in wanted {
         assert_eq!(picture.attribute(key), Some(value), "{key}");
     }
-    let text = std::fs::read_to_string(place.path("a.json")).expect("statistics");
+    let text = fs::read_to_string(place.path("a.json")).expect("statistics");
     let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let part = stats["clamped"]["part"].as_f64().expect("a part");
     assert!((0.0..1.0).contains(&part), "{part}");
