@@ -16,6 +16,10 @@ const ROWS: u32 = 4;
 /// The most triangles that are all looked at from every reference point.
 const FEW: usize = 12;
 
+/// Nearer to the plane of a triangle, in sizes of its mesh, it is not asked: lobes find it. Seen from a point of the triangle itself, and from where a
+/// ray leaves that point, it would be half of all directions or nothing, as rounding has it.
+const LOWEST: f32 = 1e-4;
+
 /// Triangles.
 #[derive(Clone, Debug)]
 pub struct MeshArea {
@@ -141,9 +145,10 @@ impl MeshArea {
             let way = |corner: Vec3<F>| (corner - asked.from).scale(seat.inverse);
             let ways = [way(self.same(like, i, 0)), way(self.same(like, i, 1)), way(self.same(like, i, 2))];
             let twice = 2.0 * area * seat.inverse * seat.inverse;
-            let volume = ways[0].dot(self.same(like, i, 3)) * twice;
-            let angle = SphericalTriangle::new(ways, volume).solid_angle();
-            *own = if asked.two_sided { angle } else { F::select(volume.lt(0.0), angle, zero) };
+            let height = ways[0].dot(self.same(like, i, 3));
+            let angle = SphericalTriangle::new(ways, height * twice).solid_angle();
+            let shines = if asked.two_sided { height.abs().gt(LOWEST) } else { height.lt(-LOWEST) };
+            *own = F::select(shines, angle, zero);
             all += *own;
         }
         Some((each, all, is_near & all.gt(TINY)))
@@ -259,7 +264,7 @@ impl SampleArea for MeshArea {
             };
         }
         match self.seen(asked) {
-            Some((_, all, true)) => Density::Angle(all.recip()),
+            Some((each, all, true)) => Density::Angle(if each[index] > 0.0 { all.recip() } else { 0.0 }),
             _ => Density::Area(self.choice.probability(index) / area),
         }
     }
