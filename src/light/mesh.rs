@@ -18,7 +18,7 @@ const FEW: usize = 12;
 
 /// Nearer to the plane of a triangle, in sizes of its mesh, it is not asked: lobes find it. Seen from a point of the triangle itself, and from where a
 /// ray leaves that point, it would be half of all directions or nothing, as rounding has it.
-const LOWEST: f32 = 1e-4;
+const LOWEST: f32 = 1e-5;
 
 /// Triangles.
 #[derive(Clone, Debug)]
