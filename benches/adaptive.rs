@@ -28,7 +28,7 @@ mod scene;
 
 use noisy::{ALL, Noisy, relmse};
 use scene::scene_of;
-use specula::film::{Aov, Film};
+use specula::film::Film;
 use specula::render::{Limits, Rendered, Settings, Silent, render};
 use std::fmt::Write as _;
 
@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for noisy in ALL.iter().filter(wanted) {
         let reference = picture(noisy, &scale, "seed = 4711", scale.reference, None).film;
         for target in [2.0 * noisy.target, noisy.target] {
-            let row = row(noisy, &scale, target, &colours(&reference))?;
+            let row = row(noisy, &scale, target, &reference)?;
             print!("{row}");
             table += &row;
         }
@@ -77,12 +77,8 @@ fn picture(noisy: &Noisy, scale: &Scale, settings: &str, spp: u32, target: Optio
     render(&scene, &Settings { limits, ..Settings::default() }, &Silent).expect("a picture")
 }
 
-fn colours(film: &Film) -> Vec<Vec<f32>> {
-    film.channels(Aov::Beauty).expect("kept")
-}
-
 /// The pictures of a scene that end at a target.
-fn row(noisy: &Noisy, scale: &Scale, target: f64, reference: &[Vec<f32>]) -> Result<String, std::fmt::Error> {
+fn row(noisy: &Noisy, scale: &Scale, target: f64, reference: &Film) -> Result<String, std::fmt::Error> {
     let runs = f64::from(scale.runs);
     let (mut told, mut errors, mut spp, mut most) = (0.0, Vec::new(), 0.0, 0);
     let (mut even, mut cpu) = (0.0, [0.0; 2]);
@@ -91,11 +87,11 @@ fn row(noisy: &Noisy, scale: &Scale, target: f64, reference: &[Vec<f32>]) -> Res
         let ended = picture(noisy, scale, &seed, 1 << 16, Some(target));
         let mean = ended.film.samples() as f64 / ended.film.window().area() as f64;
         told += ended.statistics.estimate.map_or(0.0, |estimate| estimate.error) / target / runs;
-        errors.push(relmse(&colours(&ended.film), reference) / target);
+        errors.push(relmse(&ended.film, reference) / target);
         spp += mean / runs;
         most = most.max(ended.film.samples_of_pixels()[1]);
         let same = picture(noisy, scale, &seed, mean.round() as u32, None);
-        even += relmse(&colours(&same.film), reference) / target / runs;
+        even += relmse(&same.film, reference) / target / runs;
         cpu[0] += ended.statistics.render.cpu.as_secs_f64();
         cpu[1] += same.statistics.render.cpu.as_secs_f64();
     }

@@ -31,10 +31,6 @@ fn until(error: f64) -> Limits {
     Limits { time: None, error: Some(error) }
 }
 
-fn colours(film: &Film) -> Vec<Vec<f32>> {
-    film.channels(Aov::Beauty).expect("kept")
-}
-
 fn mean_spp(film: &Film) -> f64 {
     film.samples() as f64 / film.window().area() as f64
 }
@@ -42,7 +38,7 @@ fn mean_spp(film: &Film) -> f64 {
 /// Of a scene: how many pictures have an error above the target.
 fn above(noisy: &Noisy) -> usize {
     let reference = noisy.text(SIZE, "spp = 4096\nseed = 4711");
-    let reference = colours(&rendered(&reference, Limits::default(), 0).film);
+    let reference = rendered(&reference, Limits::default(), 0).film;
     let (mut ratios, mut told, mut spp) = (Vec::new(), 0.0, 0.0);
     for seed in 0..RUNS {
         let text = noisy.text(SIZE, &format!("seed = {seed}"));
@@ -50,7 +46,7 @@ fn above(noisy: &Noisy) -> usize {
         assert_eq!(statistics.ended, Ended::Error, "{}", noisy.name);
         let estimate = statistics.estimate.expect("an estimate");
         assert!(estimate.error <= estimate.bound && estimate.bound <= noisy.target, "{estimate:?}");
-        ratios.push(relmse(&colours(&film), &reference) / noisy.target);
+        ratios.push(relmse(&film, &reference) / noisy.target);
         told += estimate.error / noisy.target / RUNS as f64;
         spp += mean_spp(&film) / RUNS as f64;
     }

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "each bench uses a part")]
 
 use specula::error::Result;
-use specula::image::{Decoded, Image, Range, Window};
+use specula::image::Image;
 use specula::measure::{Errors, Pair};
 use specula::render::{Rendered, Settings, Silent, render};
 use specula::scene::{self, Scene};
@@ -29,19 +29,6 @@ pub(crate) fn rendered(scene: &Scene) -> Result<Rendered> {
 
 /// The errors of a picture against a reference of its size.
 pub(crate) fn errors(test: &Image, reference: &Image) -> Result<Errors> {
-    let pair = Pair::new(decoded(test), decoded(reference), ["picture", "reference"])?;
+    let pair = Pair::new(test.clone().into(), reference.clone().into(), ["picture", "reference"])?;
     Ok(Errors::of(&pair).expect("some pixel is finite"))
-}
-
-/// As if it had been read from a file.
-fn decoded(image: &Image) -> Decoded {
-    let (width, height) = (image.width(), image.height());
-    Decoded {
-        image: image.clone(),
-        range: Range::Scene,
-        alpha: None,
-        window: Window { x0: 0, y0: 0, x1: width, y1: height },
-        full: [width, height],
-        warnings: Vec::new(),
-    }
 }

@@ -73,6 +73,15 @@ pub struct Decoded {
     pub warnings: Vec<Problem>,
 }
 
+/// As if a file held that picture, whole, of a scene's light.
+impl From<Image> for Decoded {
+    fn from(image: Image) -> Self {
+        let full = [image.width(), image.height()];
+        let window = Window::whole(full[0], full[1]);
+        Self { image, range: Range::Scene, alpha: None, window, full, warnings: Vec::new() }
+    }
+}
+
 /// The colour picture in an `.exr` or `.hdr` file.
 pub fn read(path: &Path) -> Result<Decoded> {
     match extension(path).as_str() {

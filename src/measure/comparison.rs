@@ -56,20 +56,13 @@ impl Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Decoded, Image, Window};
+    use crate::image::{Decoded, Image};
     use crate::math::Rgb;
     use crate::math::lanes::Level;
     use crate::render::Silent;
 
     fn compare(test: &Image, reference: &Image, range: Range) -> Comparison {
-        let decoded = |image: &Image| Decoded {
-            image: image.clone(),
-            range,
-            alpha: None,
-            window: Window::whole(image.width(), image.height()),
-            full: [image.width(), image.height()],
-            warnings: Vec::new(),
-        };
+        let decoded = |image: &Image| Decoded { range, ..image.clone().into() };
         let pair = Pair::new(decoded(test), decoded(reference), ["a", "b"]).expect("one size");
         let watch = Watch { level: Level::best(), progress: &Silent };
         Comparison::of(&pair, Viewing::default(), watch).expect("nobody interrupts")

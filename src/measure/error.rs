@@ -171,18 +171,15 @@ impl Sums {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::image::{Decoded, Image, Range, Window};
+    use crate::image::{Decoded, Image, Window};
 
     /// Two pictures of that width that lie at (10, 20) in a larger one.
     fn pair(width: u32, test: &[Rgb<f32>], reference: &[Rgb<f32>]) -> Pair {
         let height = u32::try_from(test.len()).expect("few") / width;
         let decoded = |pixels: &[Rgb<f32>]| Decoded {
-            image: Image::from_pixels(width, height, pixels.to_vec()).expect("whole rows"),
-            range: Range::Scene,
-            alpha: None,
             window: Window { x0: 10, y0: 20, x1: 10 + width, y1: 20 + height },
             full: [100, 100],
-            warnings: Vec::new(),
+            ..Image::from_pixels(width, height, pixels.to_vec()).expect("whole rows").into()
         };
         Pair::new(decoded(test), decoded(reference), ["a", "b"]).expect("one size")
     }

@@ -132,9 +132,7 @@ mod tests {
 
     fn decoded(pixels: &[Rgb<f32>]) -> Decoded {
         let width = u32::try_from(pixels.len()).expect("few");
-        let image = Image::from_pixels(width, 1, pixels.to_vec()).expect("one row");
-        let window = Window::whole(width, 1);
-        Decoded { image, range: Range::Scene, alpha: None, window, full: [width, 1], warnings: Vec::new() }
+        Image::from_pixels(width, 1, pixels.to_vec()).expect("one row").into()
     }
 
     #[test]

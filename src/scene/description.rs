@@ -321,7 +321,8 @@ record! {
         width: u32 = 1280, unit("pixels"), min(1.0), max(65536.0);
         /// Rows.
         height: u32 = 720, unit("pixels"), min(1.0), max(65536.0);
-        /// How samples are weighted about the middle of a pixel.
+        /// How samples are weighted about the middle of a pixel. Mitchell's is the sharpest; where samples are few, its negative
+        /// lobes leave dark specks beside bright edges, which gaussian does not.
         filter: Filter = Filter::Mitchell;
         /// How far the filter reaches; absent: 0.5 for box, 1 for tent, 1.5 for gaussian, 2 for mitchell.
         filter_radius: Option<f32>, unit("pixels"), above(0.0), max(16.0);

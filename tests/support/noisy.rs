@@ -2,6 +2,9 @@
 
 #![allow(dead_code, reason = "each program uses a part")]
 
+use specula::film::Film;
+use specula::measure::{Errors, Pair};
+
 /// A scene by its kind.
 pub(crate) struct Noisy {
     pub(crate) name: &'static str,
@@ -214,14 +217,9 @@ edge_v = [0.0, 0.0, 0.5]
 radiance = 10.0
 "#;
 
-/// relMSE of a picture's channels against those of another.
-pub(crate) fn relmse(picture: &[Vec<f32>], reference: &[Vec<f32>]) -> f64 {
-    let pairs = picture.iter().zip(reference).flat_map(|(a, b)| a.iter().zip(b));
-    let (mut sum, mut count) = (0.0, 0.0);
-    for (&a, &b) in pairs {
-        let (a, b) = (f64::from(a), f64::from(b));
-        sum += (a - b) * (a - b) / (b * b + specula::measure::RELATIVE_FLOOR);
-        count += 1.0;
-    }
-    sum / count
+/// relMSE of a picture against another.
+pub(crate) fn relmse(picture: &Film, reference: &Film) -> f64 {
+    let pair =
+        Pair::new(picture.image().into(), reference.image().into(), ["picture", "reference"]).expect("alike");
+    Errors::of(&pair).expect("finite pixels").relmse
 }
