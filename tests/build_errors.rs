@@ -138,3 +138,26 @@ fn pictures_that_are_no_heights_are_refused_with_place_and_remedy() {
     );
     assert_eq!(problems(&scene(&picture(2, 2, &[0.0; 4])), &[]), "", "a flat field");
 }
+
+#[test]
+fn shapes_made_of_numbers_that_are_too_large_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let heights = folder.path().join("a.png");
+    image::GrayImage::from_pixel(2, 2, image::Luma([255])).save(&heights).expect("a picture");
+    let shapes = [
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"rectangle\"\nedge_u = [1e19, 0, 0]\nedge_v = [0, 1, 0]".to_owned(),
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"rectangle\"\nedge_u = [3e38, 0, 0]\nedge_v = [3e38, 3e38, 0]".to_owned(),
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"box\"\nmin = [0, 0, 0]\nmax = [1e19, 1, 1]".to_owned(),
+        "[[lights]]\ntype = \"rectangle\"\ncenter = [0, 0, 2e18]\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\nradiance = 1"
+            .to_owned(),
+        format!(
+            "[[shapes]]\nmaterial = \"m\"\ntype = \"height_field\"\nheight = [0, 1e19]\nfile = \"{}\"",
+            heights.display()
+        ),
+    ];
+    for shape in shapes {
+        let found = problems(&format!("[materials.m]\ntype = \"diffuse\"\n{shape}\n"), &[]);
+        assert!(found.starts_with("scene.toml:3:1: vertex "), "{shape}\n{found}");
+        assert!(found.ends_with("; scale the scene down") && found.lines().count() == 1, "{shape}\n{found}");
+    }
+}

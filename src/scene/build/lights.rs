@@ -40,8 +40,10 @@ impl Builder {
                     let center = self.origin.place(center);
                     let surface = RectangleArea::new(center, edge_u, edge_v);
                     let shining = Light::Rectangle(Area { surface, radiance, two_sided: false });
-                    let shape = Shape::Mesh(forms::rectangle(center, edge_u, edge_v));
-                    self.add_shining(shape, shining, radiance, &light.place);
+                    if let Some(shape) = self.mesh_of(forms::rectangle(center, edge_u, edge_v), &light.place)
+                    {
+                        self.add_shining(shape, shining, radiance, &light.place);
+                    }
                 }
                 &Described::Disc { center, normal, radius, radiance } => {
                     let center = self.origin.place(center);

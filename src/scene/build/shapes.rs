@@ -179,13 +179,15 @@ impl Builder {
                 Shape::Disc(Disc { center: local(center), normal: normal.normalize(), radius })
             }
             &Form::Rectangle { center, edge_u, edge_v } => {
-                Shape::Mesh(forms::rectangle(local(center), edge_u, edge_v))
+                self.mesh_of(forms::rectangle(local(center), edge_u, edge_v), &described.place)?
             }
-            &Form::Box { min, max } => Shape::Mesh(forms::cuboid(local(min), local(max))),
+            &Form::Box { min, max } => {
+                self.mesh_of(forms::cuboid(local(min), local(max)), &described.place)?
+            }
             form @ (Form::Cylinder { .. } | Form::Cone { .. } | Form::Torus { .. }) => {
                 self.surface_of(form, origin, &described.place)?
             }
-            form @ Form::HeightField { .. } => self.height_field(form, origin)?,
+            form @ Form::HeightField { .. } => self.height_field(form, origin, &described.place)?,
             Form::Mesh { .. } | Form::Instance { .. } => return None,
         };
         Some(Made { shape, origin, materials: vec![own?] })
