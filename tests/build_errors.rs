@@ -161,3 +161,32 @@ fn shapes_made_of_numbers_that_are_too_large_are_refused() {
         assert!(found.ends_with("; scale the scene down") && found.lines().count() == 1, "{shape}\n{found}");
     }
 }
+
+const LAMP: &str = "newmtl a\nKe 1 1 1\nnewmtl b\nKe 2 2 2\nnewmtl c\nKd 1 1 1\n";
+
+#[test]
+fn meshes_that_shine_in_parts_are_told_why_they_cannot() {
+    let text = "[[shapes]]\ntype = \"mesh\"\nfile = \"a.obj\"\n";
+    let mesh = |second: &str| {
+        format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl {second}\nf 1 3 2\n")
+    };
+    let found = |second: &str| problems(text, &[("a.obj", &mesh(second)), ("a.mtl", LAMP)]);
+    assert_eq!(
+        found("b"),
+        "scene.toml:1:1: a mesh that emits in more than one material cannot be asked for light; \
+         split it into a file for each of them"
+    );
+    assert_eq!(
+        found("c"),
+        "scene.toml:1:1: a mesh that emits in some of its groups only cannot be asked for light; \
+         split the emitting part off into a file of its own"
+    );
+}
+
+#[test]
+fn a_mesh_light_beyond_all_numbers_is_told() {
+    let text = "[camera]\nfrom = [-3e38, 0, 0]\nat = [-2.9e38, 0, 0]\n[[lights]]\ntype = \"mesh\"\nfile = \"a.obj\"\n\
+                radiance = 1\ntransform = [{ translate = [3e38, 0, 0] }]\n";
+    let found = problems(text, &[("a.obj", TRIANGLE)]);
+    assert!(found.contains("scene.toml:4:1: a mesh light is carried infinitely far from the camera"), "{found}");
+}

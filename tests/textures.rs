@@ -468,3 +468,31 @@ fn fine_patterns_are_seen_as_their_mean() {
         }
     }
 }
+
+#[test]
+fn damaged_pictures_of_mtl_files_are_done_without_and_told() {
+    let folder = Folder::new();
+    std::fs::write(folder.path().join("bad.png"), b"rubbish").expect("written");
+    folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    let text = folder::frontal(WAYS[0], "[[shapes]]\ntype = \"mesh\"\nfile = \"a.obj\"");
+    let without = [
+        ("map_Kd", "the surface is made gray"),
+        ("map_Ke", "the surface does not shine by it"),
+        ("map_d", "the surface is left whole"),
+        ("norm", "the surface is left even"),
+        ("map_Bump", "the surface is left even"),
+    ];
+    for (keyword, what) in without {
+        folder.write("a.mtl", &format!("newmtl m\nKd 0.5 0.5 0.5\n{keyword} bad.png\n"));
+        let built = folder.load(&text).expect("a scene");
+        let [warning] = &built.warnings[..] else { panic!("{keyword}: {:?}", built.warnings) };
+        let warning = warning.to_string();
+        assert!(
+            warning.contains("a.mtl:3: ") && warning.contains("not a sound PNG picture") && warning.ends_with(what),
+            "{keyword}: {warning}"
+        );
+        let material = &built.scene.materials[0];
+        assert_eq!(material.emission, None, "{keyword}: a lamp");
+        assert!(material.relief.is_none() && material.opacity.is_none(), "{keyword}: {material:?}");
+    }
+}

@@ -190,7 +190,7 @@ choice! {
         "g" => Green,
         /// Blue.
         "b" => Blue,
-        /// Coverage; 1 where the file has none, or holds 32-bit numbers.
+        /// Coverage; 1 where the file has none.
         "a" => Alpha,
     }
 }
@@ -748,7 +748,7 @@ tagged! {
 record! {
     /// A part of a mix.
     pub struct MixPart {
-        /// Name of the material; neither a mix nor a light.
+        /// Name of the material; neither a mix nor a light. Its relief and holes do not count: a mix has its own.
         material: Located<String>;
         /// Its share of the light, per channel.
         weight: Rgb<f32> = Rgb::gray(0.5), min(0.0), max(1.0);

@@ -10,7 +10,7 @@ use crate::light::{
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
 use crate::sampling::TableError;
-use crate::scene::build::{Builder, forms, number, steps, way};
+use crate::scene::build::{Builder, forms, number, steps, unit, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::texture::Texture;
 use glam::{DAffine3, Vec3};
@@ -26,14 +26,13 @@ impl Builder {
                     self.add_light(Light::Point(Point { position: position.into(), intensity }));
                 }
                 &Described::Spot { position, at, intensity, angle_deg, softness } => {
-                    let [position, at] = [position, at].map(|p| self.origin.place(p));
                     let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
-                    let axis = (at - position).normalize().into();
-                    let position = position.into();
+                    let axis = unit(at - position).into();
+                    let position = self.origin.place(position).into();
                     self.add_light(Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }));
                 }
                 &Described::Directional { direction, irradiance } => {
-                    let direction = direction.normalize().into();
+                    let direction = unit(direction.as_dvec3()).into();
                     self.add_light(Light::Directional(Directional { direction, irradiance }));
                 }
                 &Described::Rectangle { center, edge_u, edge_v, radiance } => {
@@ -47,7 +46,7 @@ impl Builder {
                 }
                 &Described::Disc { center, normal, radius, radiance } => {
                     let center = self.origin.place(center);
-                    let normal = normal.normalize();
+                    let normal = unit(normal.as_dvec3());
                     let surface = DiscArea::new(center, normal, radius);
                     let shining = Light::Disc(Area { surface, radiance, two_sided: false });
                     let shape = Shape::Disc(Disc { center, normal, radius });
@@ -95,7 +94,10 @@ impl Builder {
             Ok(map) => DAffine3::from_translation(-self.origin.0) * map * own,
             Err(problem) => return self.problems.push(problem),
         };
-        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else { return };
+        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else {
+            let problem = Problem::at(place.clone(), "a mesh light is carried infinitely far from the camera");
+            return self.problems.push(problem.remedy("move it nearer"));
+        };
         match of_triangles(shining(&mesh), radiance, false) {
             Ok(light) => {
                 let groups = mesh.group_count();

@@ -51,6 +51,11 @@ impl Builder {
             let found = materials.iter().position(|other| other.name == material.value);
             match found.and_then(|index| plain[index].as_ref()) {
                 Some(part) if part.emission.is_none() => {
+                    if part.relief.is_some() || part.opacity.is_some() {
+                        let what = format!("the relief and the holes of `{}` are not those of the mix", material.value);
+                        let remedy = "give `normal_map`, `bump` or `opacity` to the mix";
+                        self.warnings.push(Problem::at(material.place.clone(), what).remedy(remedy));
+                    }
                     layers.push(Layer { weight: *weight, scattering: part.scattering.clone() });
                 }
                 Some(_) => {
@@ -212,7 +217,7 @@ impl Builder {
         match alpha {
             Roughness::Constant(widths) => facets(*widths, distribution, rotate_deg),
             Roughness::Image(image) => {
-                let width = self.scalar(image)?;
+                let width = self.scalar(image, "the surface is left polished")?;
                 let distribution = spread(distribution, [SMOOTHEST; 2]);
                 Some(Facets { distribution, turn: None, width: Some(width) })
             }

@@ -26,6 +26,7 @@ use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
 use crate::scene::description::{Description, GlassShadows};
 use crate::scene::frozen::Surface;
+use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
 use std::sync::Arc;
@@ -130,6 +131,12 @@ impl Builder {
         self.origins.push(origin.clone());
         self.world.place(shape, pose)
     }
+}
+
+/// The direction of a vector of any length but zero. Single precision does not hold the squares of long and short ones, and
+/// loses the direction between places that are far out.
+fn unit(v: DVec3) -> Vec3 {
+    (v / v.abs().max_element()).normalize().as_vec3()
 }
 
 /// # Panics

@@ -5,7 +5,7 @@ use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
 use crate::scene::build::way::{Placed, Way};
-use crate::scene::build::{Builder, forms, lights, steps};
+use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::track::Track;
@@ -176,7 +176,8 @@ impl Builder {
         let shape = match &described.form {
             &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center: local(center), radius }),
             &Form::Disc { center, normal, radius } => {
-                Shape::Disc(Disc { center: local(center), normal: normal.normalize(), radius })
+                let normal = unit(normal.as_dvec3());
+                Shape::Disc(Disc { center: local(center), normal, radius })
             }
             &Form::Rectangle { center, edge_u, edge_v } => {
                 self.mesh_of(forms::rectangle(local(center), edge_u, edge_v), &described.place)?
@@ -258,9 +259,14 @@ impl Builder {
             return self.problems.push(problem.remedy(remedy));
         }
         if materials.iter().any(|id| *id != first) {
-            let what = "a mesh that emits in some of its groups only cannot be asked for light";
-            let problem = Problem::at(place.clone(), what);
-            return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
+            let all_emit = materials.iter().all(|id| self.materials[id.index()].emission.is_some());
+            let (what, remedy) = if all_emit {
+                ("a mesh that emits in more than one material", "split it into a file for each of them")
+            } else {
+                ("a mesh that emits in some of its groups only", "split the emitting part off into a file of its own")
+            };
+            let problem = Problem::at(place.clone(), format!("{what} cannot be asked for light"));
+            return self.problems.push(problem.remedy(remedy));
         }
         if self.materials[first.index()].opacity.is_some() {
             let what = "a surface that emits light has holes";

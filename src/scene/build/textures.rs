@@ -1,6 +1,6 @@
 //! Pictures on surfaces, each file read once.
 
-use crate::error::{Error, Place, Problem};
+use crate::error::{Error, Problem};
 use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
@@ -29,6 +29,12 @@ impl Textures {
     }
 }
 
+/// What becomes of a surface without the picture of a file that cannot be read.
+const GRAY: &str = "the surface is made gray";
+const DARK: &str = "the surface does not shine by it";
+const WHOLE: &str = "the surface is left whole";
+const EVEN: &str = "the surface is left even";
+
 /// How a picture lies.
 struct Lie {
     wrap: description::Wrap,
@@ -42,7 +48,8 @@ impl Builder {
         self.colored(texture, 1.0)
     }
 
-    /// A texture of which no channel exceeds a limit; middle gray where its file cannot be read.
+    /// A texture of which no channel exceeds a limit. Where its file cannot be read, what reflects is middle gray, and what would
+    /// shine, which has no limit, is black.
     pub(super) fn colored(&mut self, texture: &description::Texture, limit: f32) -> Texture {
         match texture {
             description::Texture::Constant(color) => Texture::Constant(*color),
@@ -51,18 +58,20 @@ impl Builder {
             }
             description::Texture::Image(image) => {
                 let &ImageTexture { ref file, space, wrap, repeat, offset, factor } = &**image;
-                match self.mapped(file, space, Lie { wrap, repeat, offset }) {
+                let (fallback, without) =
+                    if limit.is_finite() { (Rgb::gray(0.5), GRAY) } else { (Rgb::BLACK, DARK) };
+                match self.mapped(file, space, Lie { wrap, repeat, offset }, without) {
                     Some(map) => Texture::Image { map, factor, limit },
-                    None => Texture::Constant(Rgb::gray(0.5)),
+                    None => Texture::Constant(fallback),
                 }
             }
         }
     }
 
-    /// A number that varies over a surface.
-    pub(super) fn scalar(&mut self, image: &ScalarTexture) -> Option<Scalar> {
+    /// A number that varies over a surface; `without` says what becomes of it where the file cannot be read.
+    pub(super) fn scalar(&mut self, image: &ScalarTexture, without: &str) -> Option<Scalar> {
         let &ScalarTexture { ref file, channel, space, wrap, repeat, offset, factor } = image;
-        let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset })?;
+        let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset }, without)?;
         Some(Scalar { map, channel: channel_of(channel), factor })
     }
 
@@ -79,7 +88,7 @@ impl Builder {
                 let map = lying(bitmap, Lie { wrap, repeat, offset });
                 Scalar { map, channel: Channel::Alpha, factor }
             }
-            None => self.scalar(image)?,
+            None => self.scalar(image, WHOLE)?,
         };
         if image.channel.is_none() && scalar.map.bitmap.has_alpha() {
             scalar.channel = Channel::Alpha;
@@ -104,7 +113,7 @@ impl Builder {
     /// Heights. What MTL files call so are often normals.
     fn bump(&mut self, described: &description::Bump) -> Option<Relief> {
         let &description::Bump { ref file, channel, strength, height, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset }, EVEN)?;
         let [r, g, b, _] = map.bitmap.mean();
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
@@ -121,7 +130,7 @@ impl Builder {
 
     fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
         let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset }, EVEN)?;
         Some(NormalMap { map, strength, flip_y })
     }
 
@@ -130,20 +139,26 @@ impl Builder {
         file: &Located<PathBuf>,
         space: Option<description::Space>,
         lie: Lie,
+        without: &str,
     ) -> Option<Mapped> {
         let space = space.map(|space| match space {
             description::Space::Srgb => Space::Srgb,
             description::Space::Linear => Space::Linear,
         });
-        Some(lying(self.bitmap(file, space)?, lie))
+        Some(lying(self.bitmap(file, space, without)?, lie))
     }
 
-    fn bitmap(&mut self, file: &Located<PathBuf>, space: Option<Space>) -> Option<Arc<Bitmap>> {
+    fn bitmap(
+        &mut self,
+        file: &Located<PathBuf>,
+        space: Option<Space>,
+        without: &str,
+    ) -> Option<Arc<Bitmap>> {
         let key = (canonical(&file.value), space);
         if let Some(known) = self.textures.known.get(&key) {
             return known.clone();
         }
-        let read = self.read(&file.value, &file.place, space).map(|bitmap| {
+        let read = self.read(file, space, without).map(|bitmap| {
             // The same may have been met with its space written out, or left to the file.
             let same = self.textures.bitmaps.iter().find(|known| ***known == bitmap).cloned();
             same.unwrap_or_else(|| {
@@ -156,17 +171,17 @@ impl Builder {
         read
     }
 
-    fn read(&mut self, path: &Path, place: &Place, space: Option<Space>) -> Option<Bitmap> {
-        let raster = match read_raster(path) {
+    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
+        let raster = match read_raster(&file.value) {
             Ok(raster) => raster,
             Err(error) => {
                 let what = match error {
                     Error::Input(problems) => problems.to_string(),
                     other => other.to_string(),
                 };
-                let problem = Problem::at(place.clone(), what);
+                let problem = Problem::at(file.place.clone(), what);
                 if self.textures.lenient {
-                    self.warnings.push(problem.remedy("the surface is made gray"));
+                    self.warnings.push(problem.remedy(without));
                 } else {
                     self.problems.push(problem);
                 }

@@ -62,7 +62,7 @@ impl Library {
             }
             if let Some(what) = Use::of(keyword) {
                 let Some(maps) = statements.maps.last_mut() else { continue };
-                self.warnings.extend(maps.add(what, rest, path, place()).err());
+                self.warnings.extend(maps.add(what, rest, path, place()));
             } else if statements.add(keyword, rest).is_none() {
                 let problem = Problem::at(place(), format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
