@@ -458,3 +458,30 @@ fn scenes_are_found_relative_to_where_the_program_runs() {
         place.run(&["render", &Path::new("sub/ball.toml").display().to_string(), "-q"]);
     assert_eq!((status, stdout.as_str()), (0, "ball.exr\nball.png\n"), "{stderr}");
 }
+
+#[test]
+fn nothing_that_is_read_is_overwritten_and_nothing_is_written_twice() {
+    let place = place();
+    let cases: [(&[&str], &[&str]); 8] = [
+        (&["render", "ball.toml", "--stats", "ball.toml"], &["`ball.toml` is read and would be overwritten"]),
+        (&["render", "ball.toml", "--stats", "./ball.toml"], &["`./ball.toml` is read and would"]),
+        (&["render", "ball.toml", "-o", "a.exr", "-o", "./a.exr"], &["`./a.exr` would be written twice"]),
+        (&["render", "ball.toml", "-o", "a.exr", "--stats", "./a.exr"], &["`./a.exr` would be written twice"]),
+        (&["bench", "ball.toml", "--report", "ball.toml"], &["`ball.toml` is read and would be overwritten"]),
+        (&["bench", "ball.toml", "--record", "./ball.toml"], &["`./ball.toml` is read and would"]),
+        (&["bench", "ball.toml", "--report", "a", "--record", "./a"], &["`a` would be written twice"]),
+        (
+            &["bench", "ball.toml", "--replay", "ball.toml", "--report", "ball.toml"],
+            &["`ball.toml` is read and would be overwritten"],
+        ),
+    ];
+    for (words, parts) in cases {
+        let (status, stdout, stderr) = place.run(words);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{words:?}: {stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "{words:?}: `{part}` in {stderr}");
+        }
+        assert_eq!(fs::read(place.path("ball.toml")).expect("there"), BALL.as_bytes(), "{words:?}");
+    }
+    assert_eq!(place.names(), ["ball.toml"], "nothing was written");
+}

@@ -49,10 +49,12 @@ impl RenderOptions {
         let outputs = outputs(rendered_paths(args), &mut problems);
         if let Some(path) = &args.stats {
             check_target(path, &mut problems);
-            if outputs.iter().any(|output| output.path == *path) {
+            if outputs.iter().any(|output| is_same(&output.path, path)) {
                 problems.push(twice(path));
             }
         }
+        let targets = outputs.iter().map(|output| &output.path).chain(&args.stats);
+        targets.for_each(|target| spare([&args.scene], target, &mut problems));
         let options = Self {
             scene: args.scene.clone(),
             outputs,
@@ -92,12 +94,7 @@ impl DiffOptions {
         let inputs = [&args.test, &args.reference];
         inputs.into_iter().for_each(|path| check_input(path, &mut problems));
         let outputs = outputs(args.output.clone(), &mut problems);
-        for output in &outputs {
-            if inputs.into_iter().any(|input| is_same(input, &output.path)) {
-                let what = format!("`{}` is compared and would be overwritten", output.path.display());
-                problems.push(on_command_line(what).remedy("name another file for the difference"));
-            }
-        }
+        outputs.iter().for_each(|output| spare(inputs, &output.path, &mut problems));
         let options = Self {
             test: args.test.clone(),
             reference: args.reference.clone(),
@@ -125,9 +122,24 @@ fn check_input(path: &Path, problems: &mut Problems) {
     }
 }
 
-/// Whether both name one file that is there.
+/// Whether both name one file, be it there or not.
 fn is_same(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    let resolved = |path: &Path| {
+        path.canonicalize().ok().or_else(|| {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+            Some(folder.join(path.file_name()?))
+        })
+    };
+    a == b || matches!((resolved(a), resolved(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// Refuses a file to write that is one of those to read.
+fn spare<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, target: &Path, problems: &mut Problems) {
+    if inputs.into_iter().any(|input| is_same(input, target)) {
+        let what = format!("`{}` is read and would be overwritten", target.display());
+        problems.push(on_command_line(what).remedy("name another file to write"));
+    }
 }
 
 fn metric(word: &str, problems: &mut Problems) -> Option<Metric> {
@@ -206,7 +218,7 @@ fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {
     for path in paths {
         match Format::of(&path) {
             Err(error) => push(problems, error),
-            Ok(_) if outputs.iter().any(|output| output.path == path) => problems.push(twice(&path)),
+            Ok(_) if outputs.iter().any(|output| is_same(&output.path, &path)) => problems.push(twice(&path)),
             Ok(format) => {
                 check_target(&path, problems);
                 outputs.push(Output { path, format });

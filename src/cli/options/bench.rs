@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{check_target, on_command_line, threads, twice};
+use super::{check_target, is_same, on_command_line, spare, threads, twice};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
 use crate::error::{Problem, Problems, Result};
@@ -121,9 +121,12 @@ fn whole(flag: &str, text: &str, most: usize, problems: &mut Problems) -> Option
 
 fn check_files(args: &BenchArgs, problems: &mut Problems) {
     let targets: Vec<&PathBuf> = args.report.iter().chain(&args.record).collect();
-    targets.iter().for_each(|path| check_target(path, problems));
+    for target in &targets {
+        check_target(target, problems);
+        spare(args.scenes.iter().chain(&args.replay), target, problems);
+    }
     if let [report, record] = targets[..]
-        && report == record
+        && is_same(report, record)
     {
         problems.push(twice(report));
     }
