@@ -8,7 +8,7 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::args::{DiffArgs, RenderArgs};
+use super::args::{CRYPTOMATTE, DiffArgs, RenderArgs, further_outputs};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
@@ -246,12 +246,10 @@ fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
 }
 
-/// All outputs that are mattes.
-const CRYPTOMATTE: &str = "cryptomatte";
 
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
-    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect();
+    let known = further_outputs();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
         problems.push(on_command_line(what).remedy(suggest(name, &known)));

@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::args::RenderArgs;
+use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
@@ -27,22 +28,22 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     threads::limit(options.threads);
 
-    tracing::debug!("reading {}", options.scene.display());
-    let (loaded, load) = Phase::of(|| load(&options));
-    let scene = loaded?;
+    let (frozen, load) = Phase::of(|| Frozen::told(&options.scene, &options.overrides));
+    let frozen = frozen?;
+    let scene = &frozen.scene;
     interrupt.check()?;
 
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);
-    let rendered = render::render(&scene, &settings, &meter);
+    let rendered = render::render(scene, &settings, &meter);
     meter.finish();
     let rendered = rendered?;
-    tell(&options, &scene, &rendered);
+    tell(&options, scene, &rendered);
 
-    let (written, write) = Phase::of(|| write(&options, &scene, &rendered, load));
+    let (written, write) = Phase::of(|| write(&options, &frozen, &rendered, load));
     written?;
     if let Some(path) = &options.stats {
-        let report = statistics::report(&options, &scene, &rendered, Times { load, write });
+        let report = statistics::report(&options, &frozen, &rendered, Times { load, write });
         write_json(path, &report)?;
     }
     output::print(names(&options).as_bytes())
@@ -72,14 +73,6 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
     }
 }
 
-/// The frozen scene; warnings are logged.
-fn load(options: &RenderOptions) -> Result<Scene> {
-    let loaded = scene::load(&options.scene, &options.overrides)?;
-    log::warn(&loaded.warnings);
-    let built = scene::build(&loaded.description)?;
-    log::warn(&built.warnings);
-    Ok(built.scene)
-}
 
 /// Logs how it went, and what was dropped.
 fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
@@ -118,14 +111,14 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
 }
 
 /// Writes all pictures.
-fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phase) -> Result<()> {
+fn write(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, load: Phase) -> Result<()> {
     for Output { path, format } in &options.outputs {
         match format {
             Format::Exr => {
-                let attributes = statistics::attributes(scene, rendered, load);
+                let attributes = statistics::attributes(frozen, rendered, load);
                 log::warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
             }
-            Format::Png => png::write(path, &rendered.film.image(), development(scene))?,
+            Format::Png => png::write(path, &rendered.film.image(), development(&frozen.scene))?,
         }
     }
     Ok(())

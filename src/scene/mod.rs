@@ -5,6 +5,7 @@
 
 mod build;
 pub mod description;
+mod fingerprint;
 mod frozen;
 pub mod load;
 pub mod needs;
@@ -14,6 +15,7 @@ mod track;
 
 pub use build::{Built, build};
 pub use description::{Description, Direct, GlassShadows};
+pub use fingerprint::fingerprint;
 pub use frozen::Scene;
 pub use load::{Loaded, load};
 pub use needs::Needs;
