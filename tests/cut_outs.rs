@@ -5,8 +5,8 @@ mod folder;
 
 use folder::{Folder, WAYS, frontal, picture, square};
 use image::{GrayImage, Luma, Rgba, RgbaImage};
-use specula::image::exr::{self, Channel, Picture, Samples};
 use specula::image::Window;
+use specula::image::exr::{self, Channel, Picture, Samples};
 use specula::math::Rgb;
 
 const BACKENDS: [&str; 4] = ["embree", "bvh2", "cwbvh", "brute"];
@@ -180,7 +180,8 @@ fn obj_files_bring_pictures_and_holes() {
 fn holes_are_holes_at_every_depth() {
     let folder = folder();
     let there = |x: u32| x >= 8;
-    let deep = image::ImageBuffer::from_fn(16, 2, |x, _| Rgba([0xffff_u16, 0, 0, u16::from(there(x)) * 0xffff]));
+    let deep =
+        image::ImageBuffer::from_fn(16, 2, |x, _| Rgba([0xffff_u16, 0, 0, u16::from(there(x)) * 0xffff]));
     deep.save(folder.path().join("deep.png")).expect("written");
     let numbers: Vec<f32> = (0..32).map(|i| f32::from(u8::from(there(i % 16)))).collect();
     let kinds: [(&str, fn(Vec<f32>) -> Samples); 2] =

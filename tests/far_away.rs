@@ -303,7 +303,8 @@ fn directions_are_known_between_places_that_round_to_one_and_at_any_length() {
     let Light::Spot(spot) = &scene_of(spot).lights[0] else { panic!("another light") };
     assert!(glam::Vec3::from(spot.axis).abs_diff_eq(-glam::Vec3::X, 1e-6), "{spot:?}");
     for length in ["1e30", "1e-30"] {
-        let sun = format!("[[lights]]\ntype = 'directional'\nirradiance = 1\ndirection = [0, -{length}, 0]\n");
+        let sun =
+            format!("[[lights]]\ntype = 'directional'\nirradiance = 1\ndirection = [0, -{length}, 0]\n");
         let Light::Directional(sun) = &scene_of(&sun).lights[0] else { panic!("another light") };
         assert_eq!(glam::Vec3::from(sun.direction), -glam::Vec3::Y, "{length}");
         let disc = format!(

@@ -329,7 +329,9 @@ fn brushed_metal_stretches_highlights_across_the_grain() {
 #[test]
 fn what_a_mix_leaves_of_its_parts_is_told() {
     let folder = tempfile::tempdir().expect("a folder");
-    image::GrayImage::from_pixel(2, 2, image::Luma([255])).save(folder.path().join("a.png")).expect("a picture");
+    image::GrayImage::from_pixel(2, 2, image::Luma([255]))
+        .save(folder.path().join("a.png"))
+        .expect("a picture");
     for key in ["bump", "normal_map", "opacity"] {
         let text = format!(
             "[materials]\nmatt = {{ type = 'diffuse', {key} = {{ file = 'a.png' }} }}\n\
@@ -342,7 +344,8 @@ fn what_a_mix_leaves_of_its_parts_is_told() {
         let [warning] = &built.warnings[..] else { panic!("{key}: {:?}", built.warnings) };
         let warning = warning.to_string();
         assert!(
-            warning.contains("scene.toml:3:43: ") && warning.contains("holes of `matt` are not those of the mix"),
+            warning.contains("scene.toml:3:43: ")
+                && warning.contains("holes of `matt` are not those of the mix"),
             "{key}: {warning}"
         );
     }

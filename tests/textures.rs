@@ -488,7 +488,9 @@ fn damaged_pictures_of_mtl_files_are_done_without_and_told() {
         let [warning] = &built.warnings[..] else { panic!("{keyword}: {:?}", built.warnings) };
         let warning = warning.to_string();
         assert!(
-            warning.contains("a.mtl:3: ") && warning.contains("not a sound PNG picture") && warning.ends_with(what),
+            warning.contains("a.mtl:3: ")
+                && warning.contains("not a sound PNG picture")
+                && warning.ends_with(what),
             "{keyword}: {warning}"
         );
         let material = &built.scene.materials[0];

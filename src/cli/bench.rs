@@ -58,8 +58,6 @@ fn load_all(options: &BenchOptions) -> Result<Vec<Scene>> {
     problems.into_result(scenes)
 }
 
-
-
 /// What of a file of rays is wanted: all of it, but for a choice of classes.
 fn chosen(mut recording: Recording, options: &BenchOptions, scenes: &[Scene]) -> Result<Recording> {
     let path = options.replay.as_deref().unwrap_or(Path::new("rays"));

@@ -246,7 +246,6 @@ fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
 }
 
-
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
     let known = further_outputs();

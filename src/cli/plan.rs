@@ -11,10 +11,10 @@ use super::{log, output};
 use crate::error::{Problem, Result};
 use crate::integrator::ChosenLights;
 use crate::render::{self, Chosen};
+use crate::scene::Scene;
 use crate::scene::description::{Integrator, LightChoice};
 use crate::scene::needs::capability::Capability;
 use crate::scene::needs::{Need, Needs, length};
-use crate::scene::Scene;
 
 /// Prints the plan of a scene.
 pub(super) fn run(args: &PlanArgs) -> Result<()> {
@@ -22,8 +22,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<()> {
     let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
     let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
     let frozen = Frozen::read(&args.scene, &overrides)?;
-    let text =
-        if args.json { format!("{:#}\n", frozen.plan()) } else { to_text(&frozen, &frozen.needs()) };
+    let text = if args.json { format!("{:#}\n", frozen.plan()) } else { to_text(&frozen, &frozen.needs()) };
     output::print(text.as_bytes())
 }
 

@@ -73,7 +73,6 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
     }
 }
 
-
 /// Logs how it went, and what was dropped.
 fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     let statistics = &rendered.statistics;

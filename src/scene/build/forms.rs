@@ -34,8 +34,6 @@ fn quads(faces: &[[Vec3; 4]]) -> Result<Mesh, MeshError> {
     Mesh::new(positions, triangles)?.with_uvs(uvs)
 }
 
-
-
 /// The shape carried to its place, where it stays of its kind: meshes under every map, spheres and discs where angles and
 /// proportions stay, others there, too, if they say how.
 pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {

@@ -95,7 +95,8 @@ impl Builder {
             Err(problem) => return self.problems.push(problem),
         };
         let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else {
-            let problem = Problem::at(place.clone(), "a mesh light is carried infinitely far from the camera");
+            let problem =
+                Problem::at(place.clone(), "a mesh light is carried infinitely far from the camera");
             return self.problems.push(problem.remedy("move it nearer"));
         };
         match of_triangles(shining(&mesh), radiance, false) {

@@ -52,7 +52,10 @@ impl Builder {
             match found.and_then(|index| plain[index].as_ref()) {
                 Some(part) if part.emission.is_none() => {
                     if part.relief.is_some() || part.opacity.is_some() {
-                        let what = format!("the relief and the holes of `{}` are not those of the mix", material.value);
+                        let what = format!(
+                            "the relief and the holes of `{}` are not those of the mix",
+                            material.value
+                        );
                         let remedy = "give `normal_map`, `bump` or `opacity` to the mix";
                         self.warnings.push(Problem::at(material.place.clone(), what).remedy(remedy));
                     }

@@ -263,7 +263,10 @@ impl Builder {
             let (what, remedy) = if all_emit {
                 ("a mesh that emits in more than one material", "split it into a file for each of them")
             } else {
-                ("a mesh that emits in some of its groups only", "split the emitting part off into a file of its own")
+                (
+                    "a mesh that emits in some of its groups only",
+                    "split the emitting part off into a file of its own",
+                )
             };
             let problem = Problem::at(place.clone(), format!("{what} cannot be asked for light"));
             return self.problems.push(problem.remedy(remedy));

@@ -75,11 +75,7 @@ fn view_fault((from, at, up): View) -> Option<(&'static str, &'static str, &'sta
         let what = "`at` is too near to the camera, or too far away, for single precision";
         return Some(("at", what, "give another point to look at"));
     }
-    parallel(view, up).then_some((
-        "up",
-        "`up` points along the view",
-        "give another direction",
-    ))
+    parallel(view, up).then_some(("up", "`up` points along the view", "give another direction"))
 }
 
 /// The least angle that the turn of a camera may lack of half a turn: less, and rounding chooses the way round.

@@ -154,5 +154,7 @@ mod tests {
         let names: std::collections::BTreeSet<&str> =
             Capability::ALL.into_iter().map(Capability::name).collect();
         assert_eq!(names.len(), Capability::ALL.len(), "{names:?}");
+        let texts = Capability::ALL.into_iter().flat_map(Capability::texts);
+        assert_eq!(texts.filter(|text| text.contains("Embree")).count(), 0, "there are other backends");
     }
 }
