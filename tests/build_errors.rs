@@ -185,8 +185,8 @@ fn meshes_that_shine_in_parts_are_told_why_they_cannot() {
 
 #[test]
 fn a_mesh_light_beyond_all_numbers_is_told() {
-    let text = "[camera]\nfrom = [-3e38, 0, 0]\nat = [-2.9e38, 0, 0]\n[[lights]]\ntype = \"mesh\"\nfile = \"a.obj\"\n\
-                radiance = 1\ntransform = [{ translate = [3e38, 0, 0] }]\n";
+    let text = "[camera]\nfrom = [-5e34, 0, 0]\nat = [-4.999999999999999e34, 0, 0]\n[[lights]]\ntype = \"mesh\"\nfile = \"a.obj\"\n\
+                radiance = 1\ntransform = [{ translate = [3.4028234e38, 0, 0] }]\n";
     let found = problems(text, &[("a.obj", TRIANGLE)]);
     assert!(
         found.contains("scene.toml:4:1: a mesh light is carried infinitely far from the camera"),

@@ -344,7 +344,7 @@ fn what_a_mix_leaves_of_its_parts_is_told() {
         let [warning] = &built.warnings[..] else { panic!("{key}: {:?}", built.warnings) };
         let warning = warning.to_string();
         assert!(
-            warning.contains("scene.toml:3:43: ")
+            warning.contains("scene.toml:3:45: ")
                 && warning.contains("holes of `matt` are not those of the mix"),
             "{key}: {warning}"
         );
