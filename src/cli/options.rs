@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::args::{CRYPTOMATTE, DiffArgs, RenderArgs, further_outputs};
-use crate::error::{Error, Place, Problem, Problems, Result};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
@@ -143,38 +143,20 @@ fn spare<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, target: &Path, probl
 }
 
 fn metric(word: &str, problems: &mut Problems) -> Option<Metric> {
-    let metric = Metric::of(word);
-    if metric.is_none() {
-        let words = Metric::ALL.map(Metric::word).join(", ");
-        problems.push(
-            on_command_line(format!("`--metric {word}` is not an error that is measured"))
-                .remedy(format!("choose one of {words}")),
-        );
-    }
-    metric
+    let remedy = || format!("choose one of {}", Metric::ALL.map(Metric::word).join(", "));
+    given(Metric::of(word), ("metric", word), "an error that is measured", remedy, problems)
 }
 
 fn max_error(text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--max-error {text}` is not an error"))
-                .remedy("give a number from 0 on"),
-        );
-    }
-    number
+    given(number, ("max-error", text), "an error", || "give a number from 0 on".to_owned(), problems)
 }
 
 fn viewing(text: &str, problems: &mut Problems) -> Option<Viewing> {
     let number = text.trim().parse().ok().filter(|x| Viewing::RANGE.contains(x));
-    if number.is_none() {
-        let (least, most) = (Viewing::RANGE.start(), Viewing::RANGE.end());
-        problems.push(
-            on_command_line(format!("`--ppd {text}` is not a number of pixels per degree"))
-                .remedy(format!("give a number from {least} to {most}")),
-        );
-    }
-    number.map(|pixels_per_degree| Viewing { pixels_per_degree })
+    let remedy = || format!("give a number from {} to {}", Viewing::RANGE.start(), Viewing::RANGE.end());
+    given(number, ("ppd", text), "a number of pixels per degree", remedy, problems)
+        .map(|pixels_per_degree| Viewing { pixels_per_degree })
 }
 
 /// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
@@ -217,7 +199,7 @@ fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {
     let mut outputs: Vec<Output> = Vec::new();
     for path in paths {
         match Format::of(&path) {
-            Err(error) => push(problems, error),
+            Err(error) => problems.absorb(error, None),
             Ok(_) if outputs.iter().any(|output| is_same(&output.path, &path)) => problems.push(twice(&path)),
             Ok(format) => {
                 check_target(&path, problems);
@@ -238,7 +220,7 @@ fn with_extension(stem: &Path, extension: &str) -> PathBuf {
 
 fn check_target(path: &Path, problems: &mut Problems) {
     if let Err(error) = atomic::check_target(path) {
-        push(problems, error);
+        problems.absorb(error, None);
     }
 }
 
@@ -264,24 +246,14 @@ fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
         Some(&[x0, y0, x1, y1]) => Some(Window { x0, y0, x1, y1 }).filter(|window| !window.is_empty()),
         _ => None,
     };
-    if window.is_none() {
-        problems.push(
-            on_command_line(format!("`--crop {text}` is not a rectangle of pixels"))
-                .remedy("give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left"),
-        );
-    }
-    window
+    let remedy = || "give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left".to_owned();
+    given(window, ("crop", text), "a rectangle of pixels", remedy, problems)
 }
 
 fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
     let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--threads {text}` is not a number of threads"))
-                .remedy(format!("give a whole number from 1 to {MOST_THREADS}")),
-        );
-    }
-    number
+    let remedy = || format!("give a whole number from 1 to {MOST_THREADS}");
+    given(number, ("threads", text), "a number of threads", remedy, problems)
 }
 
 /// A time with its unit, seconds where there is none.
@@ -291,42 +263,39 @@ fn time_limit(text: &str, problems: &mut Problems) -> Option<Duration> {
     let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
     let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
     let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
-    if time.is_none() {
-        problems.push(
-            on_command_line(format!("`--time-limit {text}` is not a time"))
-                .remedy("give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h"),
-        );
-    }
-    time
+    let remedy = || "give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h".to_owned();
+    given(time, ("time-limit", text), "a time", remedy, problems)
 }
 
 fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--target-error {text}` is not an error"))
-                .remedy("give a relMSE above 0, such as 0.001"),
-        );
+    let remedy = || "give a relMSE above 0, such as 0.001".to_owned();
+    given(number, ("target-error", text), "an error", remedy, problems)
+}
+
+/// What the text behind a flag was read as; it is a problem that it is not `what` if it could not be.
+fn given<T>(
+    read: Option<T>,
+    (flag, text): (&str, &str),
+    what: &str,
+    remedy: impl FnOnce() -> String,
+    problems: &mut Problems,
+) -> Option<T> {
+    if read.is_none() {
+        problems.push(on_command_line(format!("`--{flag} {text}` is not {what}")).remedy(remedy()));
     }
-    number
+    read
 }
 
 fn on_command_line(what: String) -> Problem {
     Problem::at(Place::file("command line"), what)
 }
 
-/// Adds the problems that an error holds.
-fn push(problems: &mut Problems, error: Error) {
-    match error {
-        Error::Input(more) => problems.0.extend(more.0),
-        other => problems.push(Problem::new(other.to_string())),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cli::{Args, Command};
+    use crate::error::Error;
     use clap::Parser as _;
 
     fn args(words: &[&str]) -> RenderArgs {

@@ -122,12 +122,7 @@ impl Builder {
             Sky::File { file } => {
                 let decoded = match image::read(&file.value) {
                     Ok(decoded) => decoded,
-                    Err(crate::error::Error::Input(problems)) => {
-                        return problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                    }
-                    Err(error) => {
-                        return self.problems.push(Problem::at(file.place.clone(), error.to_string()));
-                    }
+                    Err(error) => return self.problems.absorb(error, Some(&file.place)),
                 };
                 self.warnings.extend(decoded.warnings);
                 match EnvironmentMap::new(decoded.image, scale, rotation) {

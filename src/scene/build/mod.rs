@@ -29,6 +29,7 @@ use crate::scene::frozen::Surface;
 use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
+use std::collections::HashMap;
 use std::sync::Arc;
 use textures::Textures;
 
@@ -46,7 +47,7 @@ pub struct Built {
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
-    let fresnel = description.render.fresnel.into();
+    let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let mut builder = Builder { shutter, origin, fresnel, ..Builder::default() };
     builder.add_materials(&description.materials);
@@ -87,8 +88,8 @@ struct Builder {
     materials: Vec<Material>,
     /// How reflectance depends on the angle where a material does not say.
     fresnel: FresnelModel,
-    /// Names of the scene's own materials, by number; those of mesh files follow without names.
-    material_names: Vec<String>,
+    /// The scene's own materials; those of mesh files cannot be named.
+    named: HashMap<String, MaterialId>,
     lights: Vec<Light>,
     environment: Option<LightId>,
     textures: Textures,

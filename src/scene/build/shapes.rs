@@ -1,6 +1,6 @@
 //! Shapes and their instances.
 
-use crate::error::{Error, Place, Problem};
+use crate::error::{Place, Problem};
 use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
@@ -206,12 +206,8 @@ impl Builder {
                 self.warnings.append(&mut loaded.warnings);
                 Some(loaded)
             }
-            Err(Error::Input(problems)) => {
-                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                None
-            }
             Err(error) => {
-                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                self.problems.absorb(error, Some(&file.place));
                 None
             }
         }
@@ -240,8 +236,7 @@ impl Builder {
     }
 
     fn material_named(&self, name: &str) -> Option<MaterialId> {
-        let index = self.material_names.iter().position(|known| known == name)?;
-        Some(MaterialId(super::number(index)))
+        self.named.get(name).copied()
     }
 
     /// Makes a light of a placement whose material emits.

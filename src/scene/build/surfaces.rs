@@ -1,6 +1,6 @@
 //! Round bodies that find their own hits, and height fields.
 
-use crate::error::{Error, Place, Problem};
+use crate::error::{Place, Problem};
 use crate::geometry::{Frustum, HeightField, Mesh, MeshError, Shape, Surface, Torus};
 use crate::image;
 use crate::scene::build::Builder;
@@ -56,12 +56,8 @@ impl Builder {
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
         let picture = match image::read_gray(&file.value) {
             Ok(picture) => picture,
-            Err(Error::Input(problems)) => {
-                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                return None;
-            }
             Err(error) => {
-                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                self.problems.absorb(error, Some(&file.place));
                 return None;
             }
         };

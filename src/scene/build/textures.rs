@@ -4,10 +4,8 @@ use crate::error::{Error, Problem};
 use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
-use crate::scene::description::{self, ImageTexture, Located, ScalarTexture};
-use crate::texture::{
-    Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture, Wrap,
-};
+use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
+use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,18 +27,14 @@ impl Textures {
     }
 }
 
+/// The channel where none is said: the shade of gray pictures.
+const SHADE: Channel = Channel::Red;
+
 /// What becomes of a surface without the picture of a file that cannot be read.
 const GRAY: &str = "the surface is made gray";
 const DARK: &str = "the surface does not shine by it";
 const WHOLE: &str = "the surface is left whole";
 const EVEN: &str = "the surface is left even";
-
-/// How a picture lies.
-struct Lie {
-    wrap: description::Wrap,
-    repeat: [f32; 2],
-    offset: [f32; 2],
-}
 
 impl Builder {
     /// What colours something that reflects.
@@ -57,10 +51,10 @@ impl Builder {
                 Texture::Checker { colors: checker.checker, repeat: checker.repeat.into() }
             }
             description::Texture::Image(image) => {
-                let &ImageTexture { ref file, space, wrap, repeat, offset, factor } = &**image;
+                let &ImageTexture { ref file, space, factor, ref lie } = &**image;
                 let (fallback, without) =
                     if limit.is_finite() { (Rgb::gray(0.5), GRAY) } else { (Rgb::BLACK, DARK) };
-                match self.mapped(file, space, Lie { wrap, repeat, offset }, without) {
+                match self.mapped(file, space, lie, without) {
                     Some(map) => Texture::Image { map, factor, limit },
                     None => Texture::Constant(fallback),
                 }
@@ -70,9 +64,9 @@ impl Builder {
 
     /// A number that varies over a surface; `without` says what becomes of it where the file cannot be read.
     pub(super) fn scalar(&mut self, image: &ScalarTexture, without: &str) -> Option<Scalar> {
-        let &ScalarTexture { ref file, channel, space, wrap, repeat, offset, factor } = image;
-        let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset }, without)?;
-        Some(Scalar { map, channel: channel_of(channel), factor })
+        let &ScalarTexture { ref file, channel, space, factor, ref lie } = image;
+        let map = self.mapped(file, Some(space), lie, without)?;
+        Some(Scalar { map, channel: channel.unwrap_or(SHADE), factor })
     }
 
     /// Where a surface is; coverage where the file has it.
@@ -81,12 +75,11 @@ impl Builder {
         let path = canonical(&image.file.value);
         let colored = self.textures.known.get(&(path, None)).and_then(Option::as_ref);
         let colored = colored.filter(|bitmap| bitmap.has_alpha()).cloned();
-        let is_alpha = matches!(image.channel, None | Some(description::Channel::Alpha));
+        let is_alpha = matches!(image.channel, None | Some(Channel::Alpha));
         let mut scalar = match colored.filter(|_| is_alpha) {
             Some(bitmap) => {
-                let &ScalarTexture { wrap, repeat, offset, factor, .. } = image;
-                let map = lying(bitmap, Lie { wrap, repeat, offset });
-                Scalar { map, channel: Channel::Alpha, factor }
+                let map = lying(bitmap, &image.lie);
+                Scalar { map, channel: Channel::Alpha, factor: image.factor }
             }
             None => self.scalar(image, WHOLE)?,
         };
@@ -112,8 +105,8 @@ impl Builder {
 
     /// Heights. What MTL files call so are often normals.
     fn bump(&mut self, described: &description::Bump) -> Option<Relief> {
-        let &description::Bump { ref file, channel, strength, height, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset }, EVEN)?;
+        let &description::Bump { ref file, channel, strength, height, ref lie } = described;
+        let map = self.mapped(file, Some(Space::Linear), lie, EVEN)?;
         let [r, g, b, _] = map.bitmap.mean();
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
@@ -125,26 +118,22 @@ impl Builder {
             self.warnings.push(Problem::at(file.place.clone(), what).remedy(remedy));
         }
         let height = height.map_or(Height::Texels(strength), Height::Metres);
-        Some(Relief::Heights(Heights { map, channel: channel_of(channel), height }))
+        Some(Relief::Heights(Heights { map, channel: channel.unwrap_or(SHADE), height }))
     }
 
     fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
-        let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset }, EVEN)?;
+        let &description::NormalMap { ref file, strength, flip_y, ref lie } = described;
+        let map = self.mapped(file, Some(Space::Linear), lie, EVEN)?;
         Some(NormalMap { map, strength, flip_y })
     }
 
     fn mapped(
         &mut self,
         file: &Located<PathBuf>,
-        space: Option<description::Space>,
-        lie: Lie,
+        space: Option<Space>,
+        lie: &Lie,
         without: &str,
     ) -> Option<Mapped> {
-        let space = space.map(|space| match space {
-            description::Space::Srgb => Space::Srgb,
-            description::Space::Linear => Space::Linear,
-        });
         Some(lying(self.bitmap(file, space, without)?, lie))
     }
 
@@ -194,26 +183,11 @@ impl Builder {
     }
 }
 
-/// The channel that is said, else that of gray pictures.
-fn channel_of(said: Option<description::Channel>) -> Channel {
-    match said {
-        None | Some(description::Channel::Red) => Channel::Red,
-        Some(description::Channel::Green) => Channel::Green,
-        Some(description::Channel::Blue) => Channel::Blue,
-        Some(description::Channel::Alpha) => Channel::Alpha,
-    }
-}
-
 /// The one name of a file.
 fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-fn lying(bitmap: Arc<Bitmap>, Lie { wrap, repeat, offset }: Lie) -> Mapped {
-    let wrap = match wrap {
-        description::Wrap::Repeat => Wrap::Repeat,
-        description::Wrap::Mirror => Wrap::Mirror,
-        description::Wrap::Clamp => Wrap::Clamp,
-    };
+fn lying(bitmap: Arc<Bitmap>, &Lie { wrap, repeat, offset }: &Lie) -> Mapped {
     Mapped { bitmap, wrap, repeat: repeat.into(), offset: offset.into() }
 }

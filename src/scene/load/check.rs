@@ -2,7 +2,9 @@
 
 use crate::bsdf::MOST_PARTS;
 use crate::camera::Viewpoint;
-use crate::scene::description::{Camera, CameraKey, Form, Light, Scattering, Shape, Step};
+use crate::scene::description::{
+    Bump, Camera, CameraKey, Form, Lie, Light, NormalMap, Scattering, Shape, Step,
+};
 use crate::scene::load::decode::Fields;
 use crate::scene::track;
 use glam::{DMat3, DVec3, DVec4, Vec3};
@@ -134,6 +136,22 @@ pub(crate) fn form(form: &Form, fields: &mut Fields<'_>) {
             fields.problem("minor_radius", "`minor_radius` is not below `major_radius`", remedy);
         }
         _ => {}
+    }
+}
+
+/// Normals are not mirrored.
+pub(crate) fn normal_map(normals: &NormalMap, fields: &mut Fields<'_>) {
+    unmirrored(&normals.lie, fields);
+}
+
+/// Heights are not mirrored.
+pub(crate) fn bump(heights: &Bump, fields: &mut Fields<'_>) {
+    unmirrored(&heights.lie, fields);
+}
+
+fn unmirrored(lie: &Lie, fields: &mut Fields<'_>) {
+    if lie.repeat.iter().any(|&times| times <= 0.0) {
+        fields.problem("repeat", "`repeat` of a relief is not above 0", "give positive numbers");
     }
 }
 

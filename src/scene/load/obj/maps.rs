@@ -8,7 +8,7 @@ use crate::error::{Place, Problem};
 use crate::image::RASTERS;
 use crate::math::Rgb;
 use crate::scene::description::{
-    Bump, ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
+    Bump, ImageTexture, Lie, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
 };
 use crate::scene::load::files;
 use std::ops::RangeInclusive;
@@ -71,9 +71,7 @@ pub(super) struct Maps {
 #[derive(Clone, Debug)]
 pub(super) struct Map {
     file: Located<PathBuf>,
-    wrap: Wrap,
-    repeat: [f32; 2],
-    offset: [f32; 2],
+    lie: Lie,
     strength: f32,
 }
 
@@ -127,7 +125,8 @@ impl Map {
         place: Place,
         warnings: &mut Vec<Problem>,
     ) -> Result<Self, (Problem, String)> {
-        let (mut wrap, mut repeat, mut offset, mut strength) = (Wrap::Repeat, [1.0; 2], [0.0; 2], [1.0]);
+        let mut lie = Lie { wrap: Wrap::Repeat, repeat: [1.0; 2], offset: [0.0; 2] };
+        let mut strength = [1.0];
         let mut rest = rest.trim();
         while let Some(option) = rest.strip_prefix('-') {
             let (name, values) = option.split_once(char::is_whitespace).unwrap_or((option, ""));
@@ -150,10 +149,10 @@ impl Map {
                 }
             };
             match name {
-                "clamp" if words.first() == Some(&"on") => wrap = Wrap::Clamp,
-                "o" => set(&mut offset, -1e6..=1e6),
-                "s" if what.is_relief() => set(&mut repeat, f32::MIN_POSITIVE..=1e6),
-                "s" => set(&mut repeat, -1e6..=1e6),
+                "clamp" if words.first() == Some(&"on") => lie.wrap = Wrap::Clamp,
+                "o" => set(&mut lie.offset, -1e6..=1e6),
+                "s" if what.is_relief() => set(&mut lie.repeat, f32::MIN_POSITIVE..=1e6),
+                "s" => set(&mut lie.repeat, -1e6..=1e6),
                 "bm" if what == Use::Normal => set(&mut strength, 0.0..=100.0),
                 "bm" => set(&mut strength, -1e4..=1e4),
                 _ => {}
@@ -164,38 +163,31 @@ impl Map {
         let file = mtl.with_file_name(rest.replace('\\', "/"));
         match files::fault(&file, RASTERS) {
             Some((what, remedy)) => Err((Problem::at(place, what), remedy)),
-            None => Ok(Self { file: Located { value: file, place }, wrap, repeat, offset, strength }),
+            None => Ok(Self { file: Located { value: file, place }, lie, strength }),
         }
     }
 
     fn colored(&self, factor: Rgb<f32>) -> Texture {
-        let &Self { ref file, wrap, repeat, offset, .. } = self;
-        Texture::Image(Box::new(ImageTexture {
-            file: file.clone(),
-            space: None,
-            wrap,
-            repeat,
-            offset,
-            factor,
-        }))
+        let Self { file, lie, .. } = self.clone();
+        Texture::Image(Box::new(ImageTexture { file, space: None, factor, lie }))
     }
 
     /// How much is there.
     pub(super) fn opacity(self) -> ScalarTexture {
-        let Self { file, wrap, repeat, offset, .. } = self;
-        ScalarTexture { file, channel: None, space: Space::Linear, wrap, repeat, offset, factor: 1.0 }
+        let Self { file, lie, .. } = self;
+        ScalarTexture { file, channel: None, space: Space::Linear, factor: 1.0, lie }
     }
 
     /// A relief of heights. The unit of `-bm` is not said; texels are what programs of its time counted in.
     pub(super) fn heights(self) -> Bump {
-        let Self { file, wrap, repeat, offset, strength } = self;
-        Bump { file, channel: None, strength, height: None, wrap, repeat, offset }
+        let Self { file, lie, strength } = self;
+        Bump { file, channel: None, strength, height: None, lie }
     }
 
     /// A relief of normals.
     pub(super) fn normal(self) -> NormalMap {
-        let Self { file, wrap, repeat, offset, strength } = self;
-        NormalMap { file, strength, flip_y: false, wrap, repeat, offset }
+        let Self { file, lie, strength } = self;
+        NormalMap { file, strength, flip_y: false, lie }
     }
 }
 
@@ -231,7 +223,11 @@ mod tests {
         let read = |rest: &str| Map::read(Use::Bump, rest, &mtl, Place::file(&mtl), &mut vec![]);
         let map = read("-s 2 3 1 -o 0.5 -clamp on -bm 0.25 -blendu off sub\\my wood.png").expect("there");
         assert_eq!(map.file.value, dir.path().join("sub/my wood.png"), "name");
-        assert_eq!((map.repeat, map.offset, map.wrap), ([2.0, 3.0], [0.5, 0.0], Wrap::Clamp), "options");
+        assert_eq!(
+            (map.lie.repeat, map.lie.offset, map.lie.wrap),
+            ([2.0, 3.0], [0.5, 0.0], Wrap::Clamp),
+            "options"
+        );
         assert!((map.strength - 0.25).abs() < 1e-6, "strength");
         let (problem, _) = read("-s 1 1 1 nothing.png").expect_err("missing");
         assert!(problem.to_string().contains("no such file"), "{problem}");
@@ -245,7 +241,7 @@ mod tests {
         let read = |what: Use, rest: &str| {
             let mut warnings = Vec::new();
             let map = Map::read(what, rest, &mtl, Place::file(&mtl), &mut warnings).expect("there");
-            (map.repeat, map.offset, map.strength, warnings.len())
+            (map.lie.repeat, map.lie.offset, map.strength, warnings.len())
         };
         let plain = |warnings: usize| ([1.0; 2], [0.0; 2], 1.0, warnings);
         assert_eq!(read(Use::Diffuse, "-s nan nan -o inf 1e30 a.png"), plain(4), "not finite, too large");
