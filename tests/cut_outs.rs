@@ -184,9 +184,9 @@ fn holes_are_holes_at_every_depth() {
         image::ImageBuffer::from_fn(16, 2, |x, _| Rgba([0xffff_u16, 0, 0, u16::from(there(x)) * 0xffff]));
     deep.save(folder.path().join("deep.png")).expect("written");
     let numbers: Vec<f32> = (0..32).map(|i| f32::from(u8::from(there(i % 16)))).collect();
-    let kinds: [(&str, fn(Vec<f32>) -> Samples); 2] =
-        [("half.exr", Samples::Half), ("float.exr", Samples::Float)];
-    for (name, samples) in kinds {
+    for name in ["half.exr", "float.exr"] {
+        let samples =
+            |numbers| if name == "half.exr" { Samples::Half(numbers) } else { Samples::Float(numbers) };
         let channel = |name: &str| Channel { name: name.into(), samples: samples(numbers.clone()) };
         let picture = Picture {
             full: [16, 2],
