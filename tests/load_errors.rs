@@ -167,8 +167,8 @@ const CASES: &[Case] = &[
         more: &[("a.png", "")],
         overrides: &[],
         messages: &[
-            "scene.toml:2:58: `repeat` of a relief is not above 0; give positive numbers",
-            "scene.toml:3:64: `repeat` of a relief is not above 0; give positive numbers",
+            "scene.toml:2:59: `repeat` of a relief is not above 0; give positive numbers",
+            "scene.toml:3:65: `repeat` of a relief is not above 0; give positive numbers",
         ],
     },
     file(
