@@ -73,6 +73,16 @@ fn texels_are_themselves_in_their_middle_and_v_goes_up() {
     }
 }
 
+#[test]
+fn parameters_that_overflow_are_the_edge() {
+    for wrap in WRAPS {
+        let mut map = mapped(four(), wrap);
+        map.repeat = glam::Vec2::splat(1e6);
+        let texel = map.at(Spot::from([3e38_f32, 1e38]));
+        assert!(texel.iter().all(|x| (0.0..=1.0).contains(x)), "{wrap:?}: {texel:?}");
+    }
+}
+
 /// Column and row that a whole number means beyond the edges.
 fn wrapped(wrap: Wrap, i: i64, size: i64) -> i64 {
     match wrap {

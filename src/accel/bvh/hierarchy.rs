@@ -316,46 +316,85 @@ impl<T: FastStack<UVec2>> Traversal<T> {
 mod tests {
     use super::*;
     use crate::accel::bvh::frame::Frame;
-    use crate::geometry::Ray;
-    use glam::Vec3;
+    use glam::{Vec3, Vec3A};
 
-    /// Boxes in each other: whoever joins neighbours puts one after the other, so that the tree is as deep as there are boxes.
-    fn nested(count: u16, frame: &Frame) -> Boxes {
-        let max = |i: u16| Vec3::splat(1.01_f32.powi(-i32::from(i)));
-        let boxes = (0..count).map(|i| frame.aabb(crate::math::Aabb { min: Vec3::ZERO, max: max(i) }));
-        Boxes { boxes: boxes.collect(), owners: (0..count).map(u32::from).collect(), split: false }
+    /// How far the next of the nested boxes reaches, beside the one around it.
+    const SHRINKING: f32 = 0.985;
+
+    /// Boxes in each other, all with a corner at zero, and in the opposite corner of each a bunch of small ones: a ray that comes
+    /// from zero goes down to the innermost first and has a bunch to put off at every level.
+    fn deep(levels: usize) -> Bvh2 {
+        let inner = |aabb: Aabb, first: usize| Bvh2Node::new(aabb, 0, u32::try_from(first).expect("few"));
+        let whole = Aabb::new(Vec3A::ZERO, Vec3A::ONE);
+        let mut tree = Bvh2 { nodes: vec![inner(whole, 0)], ..Bvh2::default() };
+        let (mut spine, mut side) = (0, 1.0_f32);
+        for _ in 0..levels {
+            let bunch = Aabb::new(Vec3A::splat(0.9 * side), Vec3A::splat(side));
+            let first = tree.nodes.len();
+            tree.nodes[spine] = inner(*tree.nodes[spine].aabb(), first);
+            side *= SHRINKING;
+            tree.nodes.extend([inner(Aabb::new(Vec3A::ZERO, Vec3A::splat(side)), 0), inner(bunch, 0)]);
+            fill(&mut tree, first + 1, 16);
+            spine = first;
+        }
+        fill(&mut tree, spine, 1);
+        tree.max_depth = tree.depth(0);
+        tree
     }
 
-    fn all_are_visited<H: Hierarchy>(deeper_than: usize, depth: impl Fn(&H) -> usize) {
-        let count = 1200;
-        let bounds = crate::math::Aabb { min: Vec3::ZERO, max: Vec3::ONE };
-        let frame = Frame::around(bounds, 1.0);
-        // Along a diagonal from the corner that all share.
-        let ray = Ray::new(Vec3::splat(-1.0), Vec3::ONE);
-        let way = frame.enter(&ray).expect("it enters");
-        let mut deepest = 0;
-        for preset in Preset::ALL {
-            let (tree, order) = H::build(nested(count, &frame), preset);
-            deepest = deepest.max(depth(&tree));
-            let mut visited = vec![0; usize::from(count)];
-            tree.closest(&way, |place| {
-                visited[order[place] as usize] += 1;
-                f32::INFINITY
-            });
-            assert!(visited.iter().all(|&times| times == 1), "{} {preset:?}: {visited:?}", H::NAME);
-            let mut asked = 0;
-            let found = tree.any(&way, |_| {
-                asked += 1;
-                false
-            });
-            assert!(!found && asked == count, "{} {preset:?}: {asked} asked", H::NAME);
+    /// Makes a node the root of so many leaves, a power of two, with boxes like its own.
+    fn fill(tree: &mut Bvh2, at: usize, leaves: usize) {
+        let aabb = *tree.nodes[at].aabb();
+        if leaves == 1 {
+            let place = u32::try_from(tree.primitive_indices.len()).expect("few");
+            tree.primitive_indices.push(place);
+            tree.nodes[at] = Bvh2Node::new(aabb, 1, place);
+            return;
         }
-        assert!(deepest > deeper_than, "{}: too shallow to fill a stack, {deepest}", H::NAME);
+        let first = tree.nodes.len();
+        tree.nodes[at] = Bvh2Node::new(aabb, 0, u32::try_from(first).expect("few"));
+        tree.nodes.extend([Bvh2Node::new(aabb, 0, 0); 2]);
+        fill(tree, first, leaves / 2);
+        fill(tree, first + 1, leaves / 2);
+    }
+
+    /// The way along the diagonal that all boxes lie on.
+    fn diagonal() -> Way {
+        let bounds = crate::math::Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let ray = crate::geometry::Ray::new(Vec3::splat(-1.0), Vec3::ONE);
+        Frame::around(bounds, 1.0).enter(&ray).expect("it enters")
+    }
+
+    fn all_are_visited(tree: &impl Hierarchy, count: usize) {
+        let mut visited = vec![0; count];
+        tree.closest(&diagonal(), |place| {
+            visited[place] += 1;
+            f32::INFINITY
+        });
+        assert!(visited.iter().all(|&times| times == 1), "the nearest: {visited:?}");
+        let mut asked = 0;
+        let found = tree.any(&diagonal(), |_| {
+            asked += 1;
+            false
+        });
+        assert!(!found && asked == count, "any: {asked} of {count} asked");
     }
 
     #[test]
-    fn nothing_is_lost_in_deep_trees() {
-        all_are_visited::<Binary>(STACK, |tree| tree.0.max_depth);
-        all_are_visited::<Wide>(STACK, |tree| tree.depth);
+    fn deep_trees_lose_nothing_and_small_stacks_would() {
+        let tree = deep(600);
+        let count = tree.primitive_indices.len();
+        assert!(tree.max_depth > 600, "{}", tree.max_depth);
+        let wide = bvh2_to_cwbvh(&tree, 3, true, false);
+        let wide = Wide { depth: depth(&wide), tree: wide };
+        assert!(wide.depth > STACK, "too shallow to fill a stack: {}", wide.depth);
+        all_are_visited(&wide, count);
+        let mut reached = 0;
+        wide.closest_with(&diagonal(), StackStack::<UVec2, STACK>::default(), |_| {
+            reached += 1;
+            f32::INFINITY
+        });
+        assert!(reached < count, "a stack of {STACK} is enough for {} levels", wide.depth);
+        all_are_visited(&Binary(tree), count);
     }
 }
