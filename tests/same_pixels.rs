@@ -128,3 +128,17 @@ fn seeds_and_samplers_do_change_it() {
     let other = bits(&scene_of(&SCENE.replace("spp = 5", "spp = 5\n    seed = 4294967296")), 2, None);
     assert!(other != whole, "the upper half of a seed counts");
 }
+
+#[test]
+fn the_cost_of_a_sample_is_its_rays_however_they_are_traced() {
+    let of = |query: &str| {
+        let keys = format!(
+            "[render]\n    integrator = \"view\"\n    view = \"cost\"\n    glass_shadows = \"opaque\"\n    query = \"{query}\""
+        );
+        let scene = scene_of(&SCENE.replace("[render]", &keys));
+        let film = render(&scene, &Settings::default(), &Silent).expect("a picture").film;
+        film.image().pixels().iter().map(|pixel| f64::from(pixel.g)).sum::<f64>()
+    };
+    let (single, stream) = (of("single"), of("stream"));
+    assert!(single > 0.0 && (stream / single - 1.0).abs() < 1e-4, "{stream} for {single}");
+}
