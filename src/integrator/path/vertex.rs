@@ -43,6 +43,14 @@ pub(super) struct Surroundings<'a> {
     pub(super) beam: Option<Beam>,
 }
 
+impl Surroundings<'_> {
+    /// Whether asking lights has all that the ways on from here would find: they are the last ones, and nothing keeps rays towards
+    /// lights from where paths get to, as surfaces hidden by media do.
+    fn asks_for_all(&self, depth: u32) -> bool {
+        depth + 1 == self.max_depth && !self.surfaces.media && !self.lights.are_left_to_lobes()
+    }
+}
+
 /// One chunk of paths at the ends of their rays.
 pub(super) struct Chunk<'a, const N: usize> {
     pub(super) around: &'a Surroundings<'a>,
@@ -106,8 +114,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         }
         let wo = -lanes.d;
         let normals = [met.points.ng, met.points.ns];
-        let tangent =
-            if around.surfaces.turns { Some(tangents(isa, around.scene, packet, &met)) } else { None };
+        let tangent = tangents(isa, around, packet, &met);
         let shading = Shading::seen(wo, normals, tangent);
         let pixel = [slots.pixel_of(isa, 0, lanes.slot), slots.pixel_of(isa, 1, lanes.slot)];
         let index = isa.gather_u32(slots.index.all(), lanes.slot);
@@ -121,10 +128,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             light_pdf: light.shared_pdf,
             choice,
             direction: sampler.get_2d(Dim::LobeDirection, vertex),
-            // Where media hide surfaces, paths get to lights that rays towards them do not reach.
-            last: depth + 1 == around.max_depth
-                && !around.surfaces.media
-                && !around.lights.are_left_to_lobes(),
+            last: around.asks_for_all(depth),
         };
         let mut found = scatter(isa, (around.scene, around.surfaces), &met, beyond, &question);
         let own = (&lanes, &mut found.step);
@@ -260,9 +264,18 @@ fn shine<S: Isa, const N: usize>(
     slots.add(shining, lanes.slot, lanes.beta * light);
 }
 
-/// First tangents of surfaces that are not the same in all directions, zero for the others.
+/// First tangents of surfaces that are not the same in all directions, zero for the others; `None` where the scene has none.
 #[inline(always)]
-fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, met: &Met<S>) -> Vec3<S::F> {
+fn tangents<S: Isa, const N: usize>(
+    isa: S,
+    around: &Surroundings<'_>,
+    packet: &Packet<N>,
+    met: &Met<S>,
+) -> Option<Vec3<S::F>> {
+    if !around.surfaces.turns {
+        return None;
+    }
+    let scene = around.scene;
     let mut rows = [[0.0; WIDEST]; 3];
     for lane in Bits(met.hit.bits()) {
         let material = &scene.materials[met.materials.extract(lane) as usize];
@@ -270,7 +283,7 @@ fn tangents<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, m
             [rows[0][lane], rows[1][lane], rows[2][lane]] = tangent.to_array();
         }
     }
-    Vec3::load(isa, &rows)
+    Some(Vec3::load(isa, &rows))
 }
 
 /// Shading normals, those of surfaces with a relief turned as it says: one by one, as tangents.
