@@ -85,7 +85,8 @@ const WAYS: [(&str, &str); 5] = [
 #[test]
 fn a_picture_that_time_ended_is_that_of_its_samples() {
     for (integrator, query) in WAYS {
-        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"");
+        // Of Embree's packets those that are coherent may meet edges elsewhere, and how packets come depends on the pace.
+        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nbackend = \"bvh2\"");
         let stopped = rendered(&room(&settings), seconds(0.25));
         assert_eq!(stopped.statistics.ended, Ended::Time, "{settings}");
         let [least, most] = stopped.film.samples_of_pixels();

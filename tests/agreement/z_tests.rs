@@ -3,7 +3,7 @@
 //! Their variances are those of X, Y and Z: as files they went through the matrix from XYZ to RGB like colours, which is why some
 //! seem negative. So all is compared in XYZ.
 
-use crate::data_folder::folder;
+use crate::data::data;
 use crate::mitsuba::Peer;
 use crate::scene::scene_of;
 use crate::shots::{Shot, Verdict, limit};
@@ -142,7 +142,7 @@ const PASSING: f64 = 0.9975;
 
 #[test]
 fn small_pictures_pass_the_test_of_mitsuba() {
-    let Some(data) = folder("scenes/mitsuba-tests") else { return };
+    let Some(data) = data("scenes/mitsuba-tests") else { return };
     let mut table = HEAD.to_owned();
     let mut failed = Vec::new();
     for case in &CASES {
