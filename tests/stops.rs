@@ -6,8 +6,8 @@ mod desk;
 mod scene;
 
 use desk::Desk;
-use scene::scene_of;
-use specula::film::{Aov, Film, Layout};
+use scene::{bits, scene_of};
+use specula::film::{Aov, Layout};
 use specula::image::exr;
 use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
 use std::time::Duration;
@@ -63,11 +63,6 @@ fn rendered(text: &str, limits: Limits) -> Rendered {
     let layout = Layout::with([Aov::Variance, Aov::Samples, Aov::Depth]);
     let settings = Settings { layout, limits, ..Settings::default() };
     render(&scene_of(text), &settings, &Silent).expect("a picture")
-}
-
-fn bits(film: &Film) -> Vec<Vec<u32>> {
-    let all = film.layout().aovs().iter().filter_map(|&aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
 }
 
 fn seconds(seconds: f64) -> Limits {

@@ -21,7 +21,7 @@ fn the_box_is_that_of_tungsten() {
     let table =
         HEAD.to_owned() + &row("cornell-box", spp, &verdict, "blocks of 64 by 64 pixels of the reference");
     tell("Boxes", &table);
-    assert!(verdict.bias.abs() < 3e-3, "{verdict:?}");
+    assert!(verdict.bias.abs() < 3e-3 && verdict.beyond <= 3, "{verdict:?}");
 }
 
 /// Blocks of a picture by how far they are from a reference: up to a twentieth, a tenth, a quarter, and beyond.
@@ -92,7 +92,7 @@ fn the_dining_room_is_nearly_that_of_tungsten() {
     );
     tell("Dining room", &(HEAD.to_owned() + &row("dining-room", spp, &verdict, &remarks)));
     let all: usize = counts.iter().sum();
-    assert!(counts[3] * 2 < all, "where the sun falls is where it fell: {counts:?}");
+    assert!(counts[3] * 5 < all * 2, "where the sun falls is where it fell: {counts:?}");
 }
 
 /// The sum of two pictures that comes nearest to a third, by least squares of relative differences, channel by channel.
