@@ -12,7 +12,6 @@ use specula::accel::Brute;
 use specula::film::{Aov, Film};
 use specula::geometry::Ray;
 use specula::integrator::{CameraRay, Integrator, Splitting, Stage, Whitted, Worker};
-use specula::material::Media;
 use specula::render::{Settings, Silent, render};
 use specula::sampling::SamplerKind;
 use specula::scene::{self, Scene};
@@ -31,7 +30,7 @@ const fn split(lights: u32, glossy: u32) -> Splitting {
 /// What arrives along `ray`: the mean of `spp` samples in each of `pixels`, which are independent.
 fn measure(scene: &Scene, tree: Whitted, ray: Ray, kind: SamplerKind, [pixels, spp]: [u32; 2]) -> Estimate {
     let accel = Brute::new(scene.world.clone());
-    let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
+    let stage = Stage::new(scene, &accel, scene.render.spp());
     let mut worker = Worker::default();
     Estimate::of((0..pixels).map(|pixel| {
         let mut sample = |index| {

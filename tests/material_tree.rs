@@ -10,7 +10,7 @@ use specula::bsdf::microfacet::{Distribution, Ggx};
 use specula::bsdf::{FresnelModel, Glass, RoughDielectric};
 use specula::geometry::Ray;
 use specula::integrator::{CameraRay, Integrator, Splitting, Stage, Whitted, Worker};
-use specula::material::{Media, Scattering};
+use specula::material::Scattering;
 use specula::sampling::SamplerKind;
 use specula::scene::{self, Scene};
 use support::scene_of;
@@ -18,7 +18,7 @@ use support::scene_of;
 /// The mean of what arrives along a ray, over `count` samples, and the greatest distance of one from it.
 fn mean(scene: &Scene, ray: Ray, count: u32) -> (f64, f64) {
     let accel = Brute::new(scene.world.clone());
-    let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
+    let stage = Stage::new(scene, &accel, scene.render.spp());
     let whitted = Whitted { max_depth: 64, min_throughput: 1e-4, splitting: Splitting::NONE };
     let mut worker = Worker::default();
     let found: Vec<f64> = (0..count)

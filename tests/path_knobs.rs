@@ -5,7 +5,7 @@
 mod scene;
 
 use scene::scene_of;
-use specula::image::Image;
+use specula::image::{Image, Window};
 use specula::render::{Rendered, Settings, Silent, render};
 
 fn rendered(text: &str) -> Rendered {
@@ -115,6 +115,17 @@ fn roulette_changes_no_mean() {
     assert_eq!(counters[0].cut_by_roulette, 0, "no roulette, nobody dies");
     assert!(counters[1].cut_by_roulette > 10_000, "{:?}", counters[1]);
     assert!(counters[1].bounced * 2 < counters[0].bounced, "{counters:?}");
+}
+
+/// Lanes without a path have no medium to ask for the index of.
+#[test]
+fn roulette_from_the_first_edge_asks_nothing_of_empty_lanes() {
+    for spp in [1, 3] {
+        let text = room("roulette = 1").replace("SEED", "5").replace("spp = 128", &format!("spp = {spp}"));
+        let settings = Settings { crop: Some(Window { x0: 0, y0: 0, x1: 5, y1: 5 }), ..Settings::default() };
+        let rendered = render(&scene_of(&text), &settings, &Silent).expect("a picture");
+        assert_eq!(rendered.film.samples(), 25 * spp, "all of them");
+    }
 }
 
 /// Paths inside of glass carry less radiance times its square: they are not taken for faint.

@@ -8,7 +8,6 @@ use glam::Vec3;
 use specula::accel::Brute;
 use specula::geometry::Ray;
 use specula::integrator::{CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Whitted, Worker};
-use specula::material::Media;
 use specula::sampling::SamplerKind;
 use specula::scene::Scene;
 use support::scene_of;
@@ -16,7 +15,7 @@ use support::scene_of;
 /// What arrives along one ray.
 fn trace(scene: &Scene, whitted: Whitted, ray: Ray, index: u32) -> (Radiance, Counters) {
     let accel = Brute::new(scene.world.clone());
-    let stage = Stage { scene, accel: &accel, eye_media: Media::default() };
+    let stage = Stage::new(scene, &accel, scene.render.spp());
     let mut worker = Worker::default();
     let sampler = SamplerKind::Independent.start(1, [0_u32, 0], index);
     let found = whitted.li(&stage, &CameraRay { ray, found: None }, &sampler, &mut worker);

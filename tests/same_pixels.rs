@@ -4,7 +4,6 @@
 #[path = "support/scene.rs"]
 mod support;
 
-use specula::film::{Aov, Film};
 use specula::image::Window;
 use specula::render::{Settings, Silent, render};
 use specula::scene::Scene;
@@ -72,12 +71,7 @@ fn bits(scene: &Scene, threads: usize, crop: Option<Window>) -> Vec<Vec<u32>> {
     let settings = Settings { threads: NonZeroUsize::new(threads), crop, ..Settings::default() };
     let rendered = render(scene, &settings, &Silent).expect("a picture");
     assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
-    channels(&rendered.film)
-}
-
-fn channels(film: &Film) -> Vec<Vec<u32>> {
-    let all = film.layout().aovs().iter().filter_map(|&aov: &Aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
+    support::bits(&rendered.film)
 }
 
 /// Renders the whole on one thread and on several, and in crops that are joined.
@@ -127,4 +121,18 @@ fn seeds_and_samplers_do_change_it() {
     let whole = bits(&scene_of(SCENE), 2, None);
     let other = bits(&scene_of(&SCENE.replace("spp = 5", "spp = 5\n    seed = 4294967296")), 2, None);
     assert!(other != whole, "the upper half of a seed counts");
+}
+
+#[test]
+fn the_cost_of_a_sample_is_its_rays_however_they_are_traced() {
+    let of = |query: &str| {
+        let keys = format!(
+            "[render]\n    integrator = \"view\"\n    view = \"cost\"\n    glass_shadows = \"opaque\"\n    query = \"{query}\""
+        );
+        let scene = scene_of(&SCENE.replace("[render]", &keys));
+        let film = render(&scene, &Settings::default(), &Silent).expect("a picture").film;
+        film.image().pixels().iter().map(|pixel| f64::from(pixel.g)).sum::<f64>()
+    };
+    let (single, stream) = (of("single"), of("stream"));
+    assert!(single > 0.0 && (stream / single - 1.0).abs() < 1e-4, "{stream} for {single}");
 }

@@ -2,10 +2,7 @@
 
 use crate::camera::{Pinhole, Viewpoint};
 use crate::math::Vec3;
-use crate::math::lanes::{Isa, Lanes};
-
-/// The widest lanes.
-const WIDEST: usize = 16;
+use crate::math::lanes::{Isa, Lanes, WIDEST};
 
 /// A pinhole that goes from viewpoint to viewpoint. What lies between two is found for each moment by itself, so turns of any
 /// speed are exact.

@@ -86,13 +86,8 @@ impl Filter {
         Self { shape, radius, lobes, excess }
     }
 
-    /// How far it reaches to either side, in pixels.
-    pub fn radius(&self) -> f32 {
-        self.radius
-    }
-
     /// Whether every sample weighs exactly 1.
-    pub fn is_positive(&self) -> bool {
+    fn is_positive(&self) -> bool {
         self.shape != FilterShape::Mitchell
     }
 

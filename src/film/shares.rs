@@ -51,27 +51,6 @@ impl Shares {
         }
     }
 
-    /// Adds the samples of another part, which come later.
-    pub(super) fn merge(&mut self, other: &Self) {
-        if let Some(seen) = other.nearest
-            && self.nearest.is_none_or(|nearest| seen.depth < nearest.depth)
-        {
-            self.nearest = Some(seen);
-        }
-        let kinds = [(&mut self.objects, &other.objects), (&mut self.materials, &other.materials)];
-        for (mine, theirs) in kinds {
-            for share in theirs {
-                match mine.iter_mut().find(|own| own.id == share.id) {
-                    Some(own) => {
-                        own.count += share.count;
-                        own.weight += share.weight;
-                    }
-                    None => mine.push(*share),
-                }
-            }
-        }
-    }
-
     /// The number of what is nearest, from 1; 0 where nothing is.
     pub(super) fn id(&self, aov: Aov) -> u32 {
         self.nearest.map_or(0, |seen| 1 + if aov == Aov::MaterialId { seen.material } else { seen.object })

@@ -10,7 +10,7 @@
 use super::aov::{Aov, Layout};
 use super::cryptomatte;
 use super::statistics::NonFinite;
-use super::tile::{Tile, add_all};
+use super::tile::Tile;
 use crate::image::exr::{Channel, Picture, Samples};
 use crate::image::{Image, Window};
 use crate::math::Rgb;
@@ -116,7 +116,8 @@ impl Film {
         tile
     }
 
-    /// Puts back a part to which samples have been added.
+    /// Puts back a part to which samples have been added. Bit for bit the same in whatever order parts come, as long as no two share a
+    /// pixel.
     ///
     /// # Panics
     /// If the part reaches beyond the film or has another layout.
@@ -140,34 +141,6 @@ impl Film {
             let here = (row + (part.y0 - whole.y0) as usize) * stride + (part.x0 - whole.x0) as usize;
             (here, row * width, width)
         })
-    }
-
-    /// Adds the sums of a tile. Bit for bit the same in whatever order tiles come, as long as no two share a pixel.
-    ///
-    /// # Panics
-    /// If the tile reaches beyond the film or has another layout.
-    pub fn add(&mut self, tile: &Tile) {
-        assert_eq!(self.sums.layout, tile.layout, "layout of a tile");
-        let values = tile.layout.len();
-        for (target, source, width) in self.rows(tile.window) {
-            add_all(&mut self.sums.counts[target..target + width], &tile.counts[source..source + width]);
-            add_all(&mut self.sums.weights[target..target + width], &tile.weights[source..source + width]);
-            if !tile.squares.is_empty() {
-                let squares = &tile.squares[source..source + width];
-                self.sums.squares[target..target + width]
-                    .iter_mut()
-                    .zip(squares)
-                    .for_each(|(a, b)| a.merge(b));
-            }
-            if !tile.shares.is_empty() {
-                let shares = &tile.shares[source..source + width];
-                self.sums.shares[target..target + width].iter_mut().zip(shares).for_each(|(a, b)| a.merge(b));
-            }
-            let (target, source, width) = (target * values, source * values, width * values);
-            add_all(&mut self.sums.plain[target..target + width], &tile.plain[source..source + width]);
-            add_all(&mut self.sums.weighted[target..target + width], &tile.weighted[source..source + width]);
-        }
-        self.sums.non_finite.merge(&tile.non_finite);
     }
 
     /// Value number `value` of each pixel by row; zero where there are no samples.

@@ -32,7 +32,7 @@ fn film_of_tiles(full: [u32; 2], window: Window, size: u32) -> Film {
     for y0 in (window.y0..window.y1).step_by(size as usize).rev() {
         for x0 in (window.x0..window.x1).step_by(size as usize).rev() {
             let part = Window { x0, y0, x1: (x0 + size).min(window.x1), y1: (y0 + size).min(window.y1) };
-            film.add(&tile(part, 5));
+            film.put(&tile(part, 5));
         }
     }
     film
@@ -111,7 +111,7 @@ fn a_flat_area_stays_flat_under_a_filter_with_negative_parts() {
             tile.add(SampleId { y: 0, x: 0, index }, filter.sample(u).weight, &[0.75, 3.0, 1e-4, 1.0]);
         }
         let mut film = Film::new([1, 1], Window::whole(1, 1), Layout::default());
-        film.add(&tile);
+        film.put(&tile);
         let colour = film.image().pixel(0, 0);
         let error = |a: f32, b: f32| (a / b - 1.0).abs();
         let worst = error(colour.r, 0.75).max(error(colour.g, 3.0)).max(error(colour.b, 1e-4));
@@ -131,7 +131,7 @@ fn pixels_converge_to_the_filtered_picture() {
         tile.add(SampleId { y: 0, x: 0, index: i.into() }, weight, &[x * x, y * y, x * y, 1.0]);
     }
     let mut film = Film::new([1, 1], Window::whole(1, 1), Layout::default());
-    film.add(&tile);
+    film.put(&tile);
     let Rgb { r, g, b } = film.image().pixel(0, 0);
     let worst = (r - second_moment()).abs().max((g - second_moment()).abs()).max(b.abs());
     assert!(worst < 5e-4, "({r}, {g}, {b}) for {}", second_moment());
@@ -154,7 +154,7 @@ fn samples_that_are_not_finite_count_as_black_and_are_recorded() {
         tile.add(SampleId { y: 4, x: 3, index }, 1.0, &[1.0, value, 1.0, 1.0]);
     }
     let mut film = Film::new([8, 8], Window::whole(8, 8), Layout::default());
-    film.add(&tile);
+    film.put(&tile);
     assert_eq!(film.image().pixel(3, 4), Rgb::new(0.25, 0.5, 0.25), "a quarter of the samples");
     assert_eq!(film.non_finite().count(), 3, "counted");
     assert_eq!(film.non_finite().first()[0], SampleId { y: 4, x: 3, index: 1 }, "the first");
@@ -167,7 +167,7 @@ fn coverage_stays_a_fraction() {
     tile.add(SampleId { y: 0, x: 0, index: 0 }, 1.3, &[1.0, 1.0, 1.0, 1.0]);
     tile.add(SampleId { y: 0, x: 0, index: 1 }, -1.3, &[0.0, 0.0, 0.0, 0.0]);
     let mut film = Film::new([1, 1], Window::whole(1, 1), Layout::default());
-    film.add(&tile);
+    film.put(&tile);
     assert!(film.image().pixel(0, 0).r > 1.0, "colour overshoots");
     assert_eq!(film.channels(Aov::Alpha), Some(vec![vec![1.0]]), "coverage does not");
 }

@@ -47,12 +47,6 @@ impl Squares {
         }
     }
 
-    pub(super) fn merge(&mut self, other: &Self) {
-        self.weights += other.weights;
-        add_all(&mut self.once, &other.once);
-        add_all(&mut self.twice, &other.twice);
-    }
-
     /// The mean of the squares of weight times distance of radiance from `mean`.
     pub(super) fn about(&self, i: usize, mean: f64, count: f64) -> f64 {
         (self.twice[i] - 2.0 * mean * self.once[i] + mean * mean * self.weights) / count
@@ -197,9 +191,4 @@ impl Tile {
 /// Takes over `len` values, from one place to another.
 fn copy<T: Copy>(to: &mut [T], at: usize, from: &[T], start: usize, len: usize) {
     to[at..at + len].copy_from_slice(&from[start..start + len]);
-}
-
-/// Adds each of `terms` to its sum.
-pub(super) fn add_all<T: Copy + std::ops::AddAssign>(sums: &mut [T], terms: &[T]) {
-    sums.iter_mut().zip(terms).for_each(|(sum, &term)| *sum += term);
 }

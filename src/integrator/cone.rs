@@ -42,13 +42,13 @@ pub(super) struct Cone<F> {
 }
 
 impl Beam {
-    /// That of the camera; `None` where no surface shows a picture.
-    pub(super) fn of(scene: &Scene) -> Option<Self> {
+    /// That of the camera, for so many samples of a pixel; `None` where no surface shows a picture.
+    pub(super) fn of(scene: &Scene, spp: u32) -> Option<Self> {
         if !scene.has_images() {
             return None;
         }
         #[expect(clippy::cast_precision_loss, reason = "few samples count")]
-        let part = (scene.render.spp() as f32).sqrt().recip().max(NARROWEST);
+        let part = (spp as f32).sqrt().recip().max(NARROWEST);
         let spread = scene.camera.pixel_angle([scene.film.width, scene.film.height]) * part;
         Some(Self { spread, part })
     }

@@ -9,7 +9,6 @@ use super::whitted::{Arrival, Node, arrive};
 use crate::accel::Accel;
 use crate::bsdf::{Branch, Lobes, Mix};
 use crate::geometry::PlacementId;
-use crate::integrator::cone::Beam;
 use crate::integrator::shading::Shading;
 use crate::integrator::{CameraRay, Stage, Worker, relief, tangent};
 use crate::material::MaterialId;
@@ -47,8 +46,7 @@ impl Features {
     #[must_use]
     pub fn of<A: Accel>(stage: &Stage<'_, A>, camera: &CameraRay, colours: bool) -> Option<Self> {
         let mut worker = Worker::default();
-        let beam = Beam::of(stage.scene);
-        let mut node = Node::of_camera(camera, stage.eye_media, beam);
+        let mut node = Node::of_camera(stage, camera);
         let first = arrive(stage, &mut node, &mut worker)?;
         let towards = |n: Point, wo: Point| if n.dot(wo) < 0.0 { -n } else { n };
         let it = &first.it;
@@ -68,14 +66,14 @@ impl Features {
         let mut tint = Rgb::WHITE;
         let mut arrival = first;
         for _ in 0..MOST_POLISHED {
-            let spot = node.spot(stage.scene, &arrival.it, beam);
+            let spot = node.spot(stage, &arrival.it);
             let seen = Seen::of(stage, &arrival, spot, stage.scene.film.follow_polished);
             features.normal = seen.normal;
             features.albedo = tint * seen.albedo;
             let Some((branch, d)) = seen.polished else { return Some(features) };
             tint *= branch.weight;
             features.albedo = tint;
-            node.pass(&arrival, (d, branch.transmission), beam);
+            node.pass(stage, &arrival, (d, branch.transmission));
             let Some(next) = arrive(stage, &mut node, &mut worker) else { return Some(features) };
             arrival = next;
         }

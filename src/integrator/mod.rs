@@ -23,6 +23,8 @@ pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;
 
+use cone::Beam;
+
 use crate::accel::Accel;
 use crate::geometry::{Hit, Interaction, Ray};
 use crate::material::{Material, Media};
@@ -69,6 +71,22 @@ pub struct Stage<'a, A> {
     pub accel: &'a A,
     /// What the camera stands in.
     pub eye_media: Media,
+    /// Where surfaces show pictures, what the widths of rays follow from.
+    beam: Option<Beam>,
+}
+
+impl<'a, A> Stage<'a, A> {
+    /// Of a scene, with what finds hits in it, and the camera in the open. So many samples a pixel gets at most: the more, the finer
+    /// pictures on surfaces are looked at.
+    pub fn new(scene: &'a Scene, accel: &'a A, spp: u32) -> Self {
+        Self { scene, accel, eye_media: Media::default(), beam: Beam::of(scene, spp) }
+    }
+
+    /// The same with the camera in these media.
+    #[must_use]
+    pub fn within(&self, eye_media: Media) -> Self {
+        Self { eye_media, ..*self }
+    }
 }
 
 /// What one thread writes to.

@@ -34,7 +34,10 @@ impl Integrator for View {
     ) -> Radiance {
         if let Self::Cost(whitted) = self {
             let before = worker.counters.rays();
+            // What waits would add its light to the number later.
+            let waiting = worker.deferred.take();
             let radiance = whitted.li(stage, camera, sampler, worker);
+            worker.deferred = waiting;
             #[expect(clippy::cast_precision_loss, reason = "rays of one sample")]
             let rays = (worker.counters.rays() - before) as f32;
             return Radiance { color: Rgb::gray(rays), direct: Rgb::gray(rays), ..radiance };

@@ -20,7 +20,7 @@
 use crate::accel::Accel;
 use crate::bsdf::{Branch, BsdfSample, Part};
 use crate::geometry::{Hit, Interaction, Ray};
-use crate::integrator::cone::{Beam, Cone};
+use crate::integrator::cone::Cone;
 use crate::integrator::direct::{self, Receiver};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
@@ -28,10 +28,9 @@ use crate::integrator::{
     CameraRay, Counters, Integrator, Radiance, Splitting, Stage, Worker, relief, tangent,
 };
 use crate::light::Reference;
-use crate::material::{Crossing, Media};
+use crate::material::{Crossing, MOST_HIDDEN, Media};
 use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
-use crate::scene::Scene;
 use crate::texture::Spot;
 use glam::Vec3;
 
@@ -69,7 +68,7 @@ pub(crate) struct Node {
 
 impl Node {
     /// The branch that a camera ray is, in what the camera stands in.
-    pub(super) fn of_camera(camera: &CameraRay, media: Media, beam: Option<Beam>) -> Self {
+    pub(super) fn of_camera<A>(stage: &Stage<'_, A>, camera: &CameraRay) -> Self {
         let CameraRay { ray, found } = *camera;
         Self {
             ray,
@@ -79,23 +78,23 @@ impl Node {
             radiance_scale: 1.0,
             depth: 1,
             vertex: Vertex::ROOT,
-            media,
+            media: stage.eye_media,
             drawn: None,
-            cone: beam.map_or(Cone::NONE, |beam| beam.start(0.0)),
+            cone: stage.beam.map_or(Cone::NONE, |beam| beam.start(0.0)),
         }
     }
 
     /// Where pictures on the surface are looked up.
-    pub(super) fn spot(&self, scene: &Scene, it: &Interaction, beam: Option<Beam>) -> Spot<f32> {
-        match beam {
-            Some(_) => self.cone.spot(scene, it, it.p.distance(self.start)),
+    pub(super) fn spot<A>(&self, stage: &Stage<'_, A>, it: &Interaction) -> Spot<f32> {
+        match stage.beam {
+            Some(_) => self.cone.spot(stage.scene, it, it.p.distance(self.start)),
             None => it.uv.to_array().into(),
         }
     }
 
     /// Goes on from a polished surface along `d`, on the same side or through it.
-    pub(super) fn pass(&mut self, at: &Arrival, (d, through): (Vec3, bool), beam: Option<Beam>) {
-        if let Some(beam) = beam {
+    pub(super) fn pass<A>(&mut self, stage: &Stage<'_, A>, at: &Arrival, (d, through): (Vec3, bool)) {
+        if let Some(beam) = stage.beam {
             self.cone = beam.scattered(self.cone, at.it.p.distance(self.start), 0.0);
         }
         self.ray = at.it.spawn(d);
@@ -126,9 +125,6 @@ impl Drawn {
 /// What is beyond saving however small `min_throughput` is.
 const NOTHING: f32 = 1e-30;
 
-/// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
-const MOST_HIDDEN: u32 = 256;
-
 const REFLECTED: u32 = 0;
 const REFRACTED: u32 = 1;
 const GLOSSY: u32 = 2;
@@ -149,12 +145,11 @@ impl Integrator for Whitted {
         worker: &mut Worker,
     ) -> Radiance {
         worker.counters.camera += 1;
-        let beam = Beam::of(stage.scene);
         let mut result = Radiance::NOTHING;
-        worker.pending.push(Node::of_camera(camera, stage.eye_media, beam));
+        worker.pending.push(Node::of_camera(stage, camera));
         while let Some(node) = worker.pending.pop() {
             let vertex = node.vertex;
-            let hit = self.follow((stage, beam), node, sampler, worker, &mut result);
+            let hit = self.follow(stage, node, sampler, worker, &mut result);
             if vertex == Vertex::ROOT && hit {
                 result.alpha = 1.0;
             }
@@ -167,7 +162,7 @@ impl Whitted {
     /// Adds what one branch brings and pushes those that go on from it. Whether it hit a surface.
     fn follow<A: Accel, S: Sampler<I = u32>>(
         &self,
-        (stage, beam): (&Stage<'_, A>, Option<Beam>),
+        stage: &Stage<'_, A>,
         mut node: Node,
         sampler: &S,
         worker: &mut Worker,
@@ -181,7 +176,7 @@ impl Whitted {
         let Arrival { mut it, eta, beyond } = arrival;
         let (_, material) = scene.material(&it);
         let length = it.p.distance(node.start);
-        let spot = node.spot(scene, &it, beam);
+        let spot = node.spot(stage, &it);
         let emitted = material.emitted(it.is_front(), spot);
         if emitted != Rgb::BLACK {
             sum.add(node.beta * emitted.scale(share_of_emission(stage, &node, &it)), node.depth);
@@ -201,8 +196,7 @@ impl Whitted {
             let light = direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
             sum.add(node.beta * light, node.depth + 1);
         }
-        let at =
-            At { stage, node: &node, it: &it, shading, eta, beyond, beam: beam.map(|beam| (beam, length)) };
+        let at = At { stage, node: &node, it: &it, shading, eta, beyond, length };
         for (index, part) in (0..).zip(mix.parts()) {
             self.push_specular(&at, part, index, worker);
             self.push_glossy(&at, &receiver, (index, part), sampler, worker);
@@ -305,8 +299,8 @@ struct At<'a, A> {
     eta: f32,
     /// The media behind the surface.
     beyond: Media,
-    /// What the widths of rays follow from, and the length of the ray that came; where surfaces show pictures.
-    beam: Option<(Beam, f32)>,
+    /// Of the ray that came.
+    length: f32,
 }
 
 impl<A: Accel> At<'_, A> {
@@ -317,7 +311,7 @@ impl<A: Accel> At<'_, A> {
 
     /// The cone about a way on that was drawn with this density.
     fn cone(&self, pdf: f32) -> Cone<f32> {
-        self.beam.map_or(Cone::NONE, |(beam, length)| beam.scattered(self.node.cone, length, pdf))
+        self.stage.beam.map_or(Cone::NONE, |beam| beam.scattered(self.node.cone, self.length, pdf))
     }
 
     /// The branch along sample `j` of a part's glossy lobe, on either side; `None` where there is no way on.
@@ -378,15 +372,9 @@ pub(super) fn arrive<A: Accel>(
         let Some(medium) = material.medium() else {
             return Some(Arrival { it, eta: 1.0, beyond: node.media });
         };
-        match node.media.cross(id, medium, it.is_front()) {
-            #[expect(
-                clippy::float_cmp,
-                reason = "between equal media nothing is seen and no direction may change"
-            )]
-            Crossing::Interface { eta, beyond } if eta != 1.0 || !material.is_interface() => {
-                return Some(Arrival { it, eta, beyond });
-            }
-            Crossing::Interface { beyond, .. } | Crossing::Hidden { beyond } => {
+        match node.media.cross((id, medium), it.is_front(), material.is_interface()) {
+            Crossing::Interface { eta, beyond } => return Some(Arrival { it, eta, beyond }),
+            Crossing::Hidden { beyond } => {
                 node.media = beyond;
                 node.cone.width = node.cone.width_at(it.p.distance(node.start));
                 node.ray = it.spawn(node.ray.d);
@@ -397,6 +385,7 @@ pub(super) fn arrive<A: Accel>(
             }
         }
     }
+    node.beta = Rgb::BLACK;
     None
 }
 
@@ -406,9 +395,10 @@ fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
 }
 
 fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {
-    let Some((light, environment)) = stage.scene.environment() else { return Rgb::BLACK };
+    let Some((id, environment)) = stage.scene.environment_light() else { return Rgb::BLACK };
     let radiance = environment.radiance(node.ray.d);
     let Some(drawn) = node.drawn.filter(|_| environment.constant().is_none()) else { return radiance };
+    let light = &stage.scene.lights[id.index()];
     let asked = direct::light_pdf(light, drawn.from, node.ray.d.into(), None);
     radiance.scale(drawn.share(asked))
 }

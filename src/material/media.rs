@@ -6,6 +6,9 @@
 
 use crate::material::{MaterialId, Medium};
 
+/// Surfaces that are not seen which a ray may pass in a row; more are a broken scene, and the ray ends.
+pub const MOST_HIDDEN: u32 = 256;
+
 /// Most bodies that a point can be inside of at once; deeper ones are forgotten.
 const DEEPEST: usize = 8;
 
@@ -37,7 +40,8 @@ impl Default for Media {
 /// What a surface of a medium means to a ray that meets it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing {
-    /// Something of higher priority is there on both sides: the surface is not seen.
+    /// The surface is not seen: something of higher priority is there on both sides, or media of one index, and it is nothing but an
+    /// interface.
     Hidden {
         /// What lies behind.
         beyond: Media,
@@ -65,16 +69,24 @@ impl Media {
         self.top().map(|entry| entry.id)
     }
 
-    /// The surface of `medium` is met from outside (`entering`) or from within.
+    /// A surface of `medium` is met from outside (`entering`) or from within; whether it is nothing but an interface.
     #[must_use]
-    pub fn cross(&self, id: MaterialId, medium: &Medium, entering: bool) -> Crossing {
+    #[expect(clippy::float_cmp, reason = "between equal media nothing is seen and no direction may change")]
+    pub fn cross(&self, (id, medium): (MaterialId, &Medium), entering: bool, is_interface: bool) -> Crossing {
         let own = Entry { id, ior: medium.ior, priority: medium.priority };
+        let met = |eta: f32, beyond| {
+            if is_interface && eta == 1.0 {
+                Crossing::Hidden { beyond }
+            } else {
+                Crossing::Interface { eta, beyond }
+            }
+        };
         if entering {
             let beyond = self.with(own);
             if beyond.top() != Some(own) {
                 return Crossing::Hidden { beyond };
             }
-            return Crossing::Interface { eta: own.ior / self.ior(), beyond };
+            return met(own.ior / self.ior(), beyond);
         }
         let beyond = self.without(id);
         // Met from within without having been entered: an open or badly wound surface. Believe the surface.
@@ -83,7 +95,7 @@ impl Media {
         if !counts {
             return Crossing::Hidden { beyond };
         }
-        Crossing::Interface { eta: beyond.ior() / own.ior, beyond }
+        met(beyond.ior() / own.ior, beyond)
     }
 
     fn priority(&self) -> i32 {
@@ -140,7 +152,7 @@ mod tests {
     }
 
     fn through(media: Media, id: MaterialId, of: &Medium, entering: bool) -> (Option<f32>, Media) {
-        match media.cross(id, of, entering) {
+        match media.cross((id, of), entering, false) {
             Crossing::Hidden { beyond } => (None, beyond),
             Crossing::Interface { eta, beyond } => (Some(eta), beyond),
         }

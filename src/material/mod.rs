@@ -6,7 +6,7 @@ mod media;
 mod scattering;
 
 pub use cut_out::CutOut;
-pub use media::{Crossing, Media};
+pub use media::{Crossing, MOST_HIDDEN, Media};
 pub use scattering::{Facets, Layer, Scattering};
 
 use crate::bsdf::Mix;

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
-use super::lanes::{Lanes, Select};
+use super::lanes::{Isa, Lanes, Select};
 
 /// A vector, point or normal; one per lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,18 @@ impl<F: Lanes> Vec3<F> {
     #[inline(always)]
     pub fn splat(like: F, v: Vec3<f32>) -> Self {
         Self::new(like.splat(v.x), like.splat(v.y), like.splat(v.z))
+    }
+    /// The vectors whose components are in the rows, one per lane.
+    #[inline(always)]
+    pub fn load<const N: usize>(isa: F::Isa, rows: &[[f32; N]; 3]) -> Self {
+        Self::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+    }
+    /// Writes the components to the rows.
+    #[inline(always)]
+    pub fn store<const N: usize>(self, rows: &mut [[f32; N]; 3]) {
+        self.x.store(&mut rows[0]);
+        self.y.store(&mut rows[1]);
+        self.z.store(&mut rows[2]);
     }
     /// The scalar product.
     #[inline(always)]

@@ -177,7 +177,8 @@ fn step(taken: u32, most: u32) -> u32 {
         _ if taken.is_power_of_two() => taken + taken / 2,
         _ => taken + taken / 3,
     };
-    next.min(most)
+    // The last step takes in the one before it where it would be too short to tell anything.
+    if next.is_power_of_two() && most < next + next / 2 { most } else { next.min(most) }
 }
 
 #[cfg(test)]
@@ -194,6 +195,8 @@ mod tests {
             steps
         };
         assert_eq!(steps(200), [16, 32, 48, 64, 96, 128, 192, 200], "many");
+        assert_eq!(steps(130), [16, 32, 48, 64, 96, 130], "no step of two");
+        assert_eq!(steps(17), [8, 17], "not half as many more");
         assert_eq!(steps(7), [3, 6, 7], "few");
         assert_eq!(steps(1), [1], "one");
     }

@@ -23,18 +23,18 @@ pub(super) struct Eye<'a, A> {
 }
 
 impl<'a, A: Accel> Eye<'a, A> {
-    pub(super) fn new(scene: &'a Scene, accel: &'a A) -> Self {
+    pub(super) fn new(scene: &'a Scene, accel: &'a A, spp: u32) -> Self {
         let eye_media = media(scene, accel, 0.0);
         let differ = |i: u8| media(scene, accel, f32::from(i) / f32::from(MOMENTS)) != eye_media;
         let changes = scene.has_media() && scene.is_moving() && (1..=MOMENTS).any(differ);
-        Self { stage: Stage { scene, accel, eye_media }, changes }
+        Self { stage: Stage::new(scene, accel, spp).within(eye_media), changes }
     }
 
     /// What an integrator starts from at a moment of the shutter, in [0, 1]. Media are looked for each time only where they
     /// change, for that takes three lines of sight.
     pub(super) fn stage(&self, time: f32) -> Stage<'a, A> {
-        let Stage { scene, accel, eye_media } = self.stage;
-        Stage { scene, accel, eye_media: if self.changes { media(scene, accel, time) } else { eye_media } }
+        let stage = &self.stage;
+        stage.within(if self.changes { media(stage.scene, stage.accel, time) } else { stage.eye_media })
     }
 }
 

@@ -53,7 +53,7 @@ pub(super) struct Traced {
 pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Traced> {
     let scene = plan.scene;
     let full = [scene.film.width, scene.film.height];
-    let eye = Eye::new(scene, accel);
+    let eye = Eye::new(scene, accel, plan.most);
     let tiles = tiles(plan.window);
     let names = if plan.layout.has_ids() { scene.names.clone() } else { Names::default() };
     let nothing = || {
@@ -186,7 +186,9 @@ impl<A> Work<'_, A> {
     /// The values that are kept of a sample, in the order of the layout.
     fn outputs(&self, radiance: Radiance, features: Option<&Features>, values: &mut Vec<f32>) {
         for aov in self.plan.layout.aovs() {
-            let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value);
+            // What is not finite here is no reason to drop the light.
+            let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
+            let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value).map(finite);
             match aov {
                 Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
                 Aov::Direct => values.extend([radiance.direct.r, radiance.direct.g, radiance.direct.b]),
@@ -198,9 +200,9 @@ impl<A> Work<'_, A> {
                 Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
                 Aov::Normal => values.extend(of(|it| it.normal.to_array())),
                 Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
-                Aov::Depth => values.push(features.map_or(0.0, |it| it.depth)),
+                Aov::Depth => values.push(features.map_or(0.0, |it| finite(it.depth))),
                 Aov::Position => values.extend(of(|it| it.position.to_array())),
-                Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array())),
+                Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array().map(finite))),
                 Aov::Variance
                 | Aov::Samples
                 | Aov::ObjectId

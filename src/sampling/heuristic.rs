@@ -6,17 +6,12 @@
 
 use crate::math::lanes::{Compare, Lanes};
 
-/// p / (p + other): the balance heuristic. Finite for all densities from 0 to infinity.
-#[inline(always)]
-pub fn balance<F: Lanes>(p: F, other: F) -> F {
-    weight(p, other, ratio(p, other))
-}
-
 /// p^2 / (p^2 + other^2): the power heuristic with exponent 2. Finite for all densities from 0 to infinity, since nothing
 /// is squared before it is divided by the larger one.
 #[inline(always)]
 pub fn power<F: Lanes>(p: F, other: F) -> F {
-    weight(p, other, ratio(p, other).square())
+    let (one, smaller) = (p.splat(1.0), ratio(p, other).square());
+    F::select(Compare::<F>::ge(p, other), one, smaller) / (smaller + 1.0)
 }
 
 /// The smaller density over the larger one; 1 where they are equal, zero and infinity included.
@@ -27,13 +22,6 @@ fn ratio<F: Lanes>(p: F, other: F) -> F {
     F::select(Compare::<F>::eq(small, large), one, small / large)
 }
 
-/// The share of `p`, given what the smaller share is of the larger.
-#[inline(always)]
-fn weight<F: Lanes>(p: F, other: F, smaller: F) -> F {
-    let one = p.splat(1.0);
-    F::select(Compare::<F>::ge(p, other), one, smaller) / (smaller + 1.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -41,12 +29,10 @@ mod tests {
     #[test]
     fn weights_of_partners_add_up_to_one() {
         let densities = [0.0, 1e-45, 1e-38, 1e-20, 0.3, 1.0, 7.0, 1e19, 1e38, f32::MAX, f32::INFINITY];
-        for heuristic in [balance::<f32>, power::<f32>] {
-            for p in densities {
-                for q in densities {
-                    let sum = heuristic(p, q) + heuristic(q, p);
-                    assert!((sum - 1.0).abs() < 2e-7, "{p} and {q}: {sum}");
-                }
+        for p in densities {
+            for q in densities {
+                let sum = power(p, q) + power(q, p);
+                assert!((sum - 1.0_f32).abs() < 2e-7, "{p} and {q}: {sum}");
             }
         }
     }
@@ -54,8 +40,7 @@ mod tests {
     #[test]
     fn weights_are_those_of_the_definition() {
         for (p, q) in [(1.0_f32, 3.0), (0.25, 0.5), (100.0, 1.0), (5.0, 0.0)] {
-            let (b, w) = (p / (p + q), p * p / (p * p + q * q));
-            assert!((balance(p, q) - b).abs() < 2e-7, "balance of {p} and {q}");
+            let w = p * p / (p * p + q * q);
             assert!((power(p, q) - w).abs() < 2e-7, "power of {p} and {q}");
         }
         assert!(power(0.0_f32, 2.0) == 0.0, "what cannot be sampled has no weight");

@@ -105,13 +105,6 @@ impl Scene {
         }
     }
 
-    /// The environment, if there is one.
-    #[must_use]
-    pub fn environment(&self) -> Option<(&Light, &Environment)> {
-        let light = &self.lights[self.environment?.index()];
-        if let Light::Environment(environment) = light { Some((light, environment)) } else { None }
-    }
-
     /// Whether anything moves while the shutter is open, the camera included.
     #[must_use]
     pub fn is_moving(&self) -> bool {
@@ -134,12 +127,5 @@ impl Scene {
     #[must_use]
     pub fn has_media(&self) -> bool {
         self.materials.iter().any(|material| material.medium().is_some())
-    }
-
-    /// Whether any of them absorbs light.
-    #[must_use]
-    pub fn absorbs(&self) -> bool {
-        let media = self.materials.iter().filter_map(Material::medium);
-        media.into_iter().any(|medium| !medium.absorption.is_black())
     }
 }

@@ -1,9 +1,9 @@
 //! Which light a path asks.
 
-use super::met::WIDEST;
 use crate::light::tree::{Drawn, Leaf};
 use crate::light::{Emitter, Environment, Light, LightId, LightTree, Reference};
 use crate::math::Vec3;
+use crate::math::lanes::WIDEST;
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes};
 use crate::sampling::Table1d;
 use crate::scene::description::LightChoice;

@@ -3,14 +3,11 @@
 use super::surfaces::Surfaces;
 use crate::accel::Packet;
 use crate::accel::packet::NONE;
-use crate::geometry::{Hit, Points, Pose, Shape};
+use crate::geometry::{Points, Pose, Shape};
 use crate::math::Vec3;
-use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes, Select};
+use crate::math::lanes::{Bits, Compare, IntLanes, Isa, MaskLanes, Select, WIDEST};
 use crate::scene::Scene;
 use crate::texture::Spot;
-
-/// The widest lanes.
-pub(super) const WIDEST: usize = 16;
 
 /// Surfaces that were met.
 pub(super) struct Met<S: Isa> {
@@ -22,12 +19,6 @@ pub(super) struct Met<S: Isa> {
     pub(super) placements: S::I,
     /// How wide the rays are there, in surface parameters.
     pub(super) footprint: S::F,
-}
-
-/// The hit of a lane.
-#[inline]
-pub(super) fn hit_of<const N: usize>(packet: &Packet<N>, lane: usize) -> Option<Hit> {
-    packet.get_hit(lane)
 }
 
 impl<S: Isa> Met<S> {
@@ -92,7 +83,7 @@ impl<S: Isa> Met<S> {
 /// The points of the lanes in `bits`, each by itself.
 #[inline(always)]
 fn one_by_one<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>, bits: u32) -> Points<S::F> {
-    let rows = rows_of(scene, packet, bits);
+    let rows = rows_of(scene, packet, Bits(bits));
     let vector = Vec3::new;
     Points {
         p: vector(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2])),
@@ -106,12 +97,10 @@ fn one_by_one<S: Isa, const N: usize>(isa: S, scene: &Scene, packet: &Packet<N>,
 
 /// Out of line: scalar work, the same for all instruction sets.
 #[inline(never)]
-fn rows_of<const N: usize>(scene: &Scene, packet: &Packet<N>, mut bits: u32) -> [[f32; WIDEST]; 15] {
+fn rows_of<const N: usize>(scene: &Scene, packet: &Packet<N>, lanes: Bits) -> [[f32; WIDEST]; 15] {
     let mut rows = [[0.0; WIDEST]; 15];
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
-        let Some(hit) = hit_of(packet, lane) else { continue };
+    for lane in lanes {
+        let Some(hit) = packet.get_hit(lane) else { continue };
         let it = scene.world.interaction(&packet.ray.get(lane), &hit);
         let values = [it.p, it.p_error, it.ng, it.ns].map(|v| v.to_array());
         let grain = if scene.has_images() { scene.world.grain(&it) } else { None };

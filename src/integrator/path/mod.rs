@@ -15,8 +15,11 @@
 //! Light that reaches matt surfaces through glass is found by paths that meet the light by chance: rays towards lights end at
 //! glass.
 
+mod asking;
 mod lights;
 mod met;
+mod roulette;
+mod scattering;
 mod surfaces;
 mod vertex;
 mod wave;
@@ -25,9 +28,8 @@ pub use lights::ChosenLights;
 pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};
-use crate::integrator::cone::Beam;
 use crate::integrator::{Counters, DIRECT, Stage};
-use crate::material::{Crossing, Media};
+use crate::material::{Crossing, MOST_HIDDEN, Media};
 use crate::math::Rgb;
 use crate::math::lanes::{Isa, Level, Scalar};
 use crate::sampling::{SamplerKind, Vertex};
@@ -55,9 +57,6 @@ pub struct Path {
     /// The most luminance of a piece of indirect light.
     limit: Option<f32>,
 }
-
-/// Surfaces hidden by overlapping media that a ray may pass in a row; more are a broken scene.
-const MOST_HIDDEN: u32 = 256;
 
 impl Path {
     /// Paths of the scene's depth, with numbers of this kind and seed. Samples are to come pixel by pixel, all of each. Rays from
@@ -124,10 +123,7 @@ impl Path {
             coherence,
             bounces_in_packets: self.bounces_in_packets,
             splits: self.splits,
-            media: stage.scene.has_media(),
-            absorbs: stage.scene.absorbs(),
-            turns: stage.turns(),
-            beam: Beam::of(stage.scene),
+            beam: stage.beam,
         };
         match self.level {
             #[cfg(target_arch = "x86_64")]
@@ -172,8 +168,14 @@ fn follow<A: Accel, S: Isa, const N: usize>(
                     packet.set_hit(lane, hit.as_ref());
                 }
             }
-            if around.media {
-                arrive(stage, wave, (at, count, around.absorbs), (&mut packet, &mut beyond), counters);
+            if around.surfaces.media {
+                arrive(
+                    stage,
+                    wave,
+                    (at, count, around.surfaces.absorbs),
+                    (&mut packet, &mut beyond),
+                    counters,
+                );
             }
             let (packet, beyond) = (&packet, &beyond);
             let chunk = Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond };
@@ -253,7 +255,8 @@ fn arrive<A: Accel, const N: usize>(
         let slot = wave.paths.rays.slot.all()[at + lane] as usize;
         let mut ray = packet.ray.get(lane).until(f32::INFINITY);
         let mut start = ray.o;
-        for _ in 0..MOST_HIDDEN {
+        let mut hidden = 0;
+        loop {
             let media = wave.slots.media[slot];
             let inside = media.current().filter(|_| absorbs);
             let Some(hit) = packet.get_hit(lane) else {
@@ -273,17 +276,19 @@ fn arrive<A: Accel, const N: usize>(
                 wave.paths.absorb(at + lane, scene.absorbed(inside, length));
             }
             let Some(medium) = medium else { break };
-            let past = match media.cross(id, medium, scene.world.is_front(&ray, &hit)) {
-                #[expect(
-                    clippy::float_cmp,
-                    reason = "between equal media nothing is seen and no direction may change"
-                )]
-                Crossing::Interface { eta, beyond: past } if eta != 1.0 || !material.is_interface() => {
+            let front = scene.world.is_front(&ray, &hit);
+            let past = match media.cross((id, medium), front, material.is_interface()) {
+                Crossing::Interface { eta, beyond: past } => {
                     beyond.set(lane, eta, past);
                     break;
                 }
-                Crossing::Interface { beyond: past, .. } | Crossing::Hidden { beyond: past } => past,
+                Crossing::Hidden { beyond: past } => past,
             };
+            hidden += 1;
+            if hidden == MOST_HIDDEN {
+                wave.paths.absorb(at + lane, Rgb::BLACK);
+                break;
+            }
             wave.slots.media[slot] = past;
             // Rays towards lights end here, so that nothing is left to share.
             wave.paths.forget_density(at + lane);

@@ -1,10 +1,9 @@
 //! What is asked of a scene's surfaces at every vertex, in tables for lanes.
 
-use super::met::WIDEST;
 use crate::geometry::PlacementId;
 use crate::material::{Material, Scattering};
 use crate::math::Rgb;
-use crate::math::lanes::{Compare, IntLanes, Isa, MaskLanes};
+use crate::math::lanes::{Bits, Compare, IntLanes, Isa, MaskLanes, WIDEST};
 use crate::scene::Scene;
 use crate::texture::Texture;
 
@@ -27,6 +26,12 @@ pub(super) struct Surfaces {
     pub(super) reliefs: bool,
     /// Whether any leaves a choice of ways on.
     pub(super) choices: bool,
+    /// Whether any bounds a medium.
+    pub(super) media: bool,
+    /// Whether any of these absorbs light.
+    pub(super) absorbs: bool,
+    /// Whether any is not the same in all directions.
+    pub(super) turns: bool,
 }
 
 impl Surfaces {
@@ -44,9 +49,18 @@ impl Surfaces {
         let color = |material: &Material| flat_color(material).unwrap_or(Rgb::BLACK);
         let colors = scene.materials.iter().map(color).map(|Rgb { r, g, b }| [r, g, b]).collect();
         let any = |has: fn(&Material) -> bool| scene.materials.iter().any(has);
-        let (textured, reliefs) = (any(Material::is_textured), any(|m| m.relief.is_some()));
-        let choices = any(|m| m.scattering.has_choice());
-        Self { materials, shines, alike, colors, textured, reliefs, choices }
+        Self {
+            materials,
+            shines,
+            alike,
+            colors,
+            textured: any(Material::is_textured),
+            reliefs: any(|material| material.relief.is_some()),
+            choices: any(|material| material.scattering.has_choice()),
+            media: scene.has_media(),
+            absorbs: any(|m| m.medium().is_some_and(|medium| !medium.absorption.is_black())),
+            turns: any(|material| material.scattering.turn().is_some()),
+        }
     }
 
     /// The material of each lane of the mask; unspecified in the others.
@@ -67,7 +81,7 @@ impl Surfaces {
         found.store(&mut names);
         placements.store(&mut rows[0]);
         prims.store(&mut rows[1]);
-        by_primitive(scene, &rows, open.bits(), &mut names);
+        by_primitive(scene, &rows, Bits(open.bits()), &mut names);
         isa.load_u32(&names)
     }
 
@@ -104,12 +118,10 @@ fn flat_color(material: &Material) -> Option<Rgb<f32>> {
 fn by_primitive(
     scene: &Scene,
     [placements, prims]: &[[u32; WIDEST]; 2],
-    mut bits: u32,
+    open: Bits,
     names: &mut [u32; WIDEST],
 ) {
-    while bits != 0 {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits - 1;
+    for lane in open {
         names[lane] = scene.material_of(PlacementId(placements[lane]), prims[lane]).0;
     }
 }

@@ -5,28 +5,30 @@ use crate::geometry::Ray;
 use crate::integrator::Radiance;
 use crate::integrator::cone::Cone;
 use crate::material::Media;
-use crate::math::lanes::{IntLanes, Isa, Lanes, MaskLanes, Wrapping};
+use crate::math::lanes::{Bits, IntLanes, Isa, Lanes, MaskLanes, WIDEST, Wrapping};
 use crate::math::{Rgb, Vec3};
 
-/// Room behind the last entry of every array, so that the widest lanes can be loaded and stored anywhere.
-const SLACK: usize = 16;
-
-/// Numbers side by side. Loads beyond the end see what was there before.
+/// Numbers side by side, with room behind the last one, so that the widest lanes can be loaded and stored anywhere. Loads beyond the
+/// end see what was there before.
 #[derive(Debug, Default)]
-pub(super) struct Column(Vec<f32>);
+pub(super) struct Column<T = f32>(Vec<T>);
 
-/// The same for indices.
-#[derive(Debug, Default)]
-pub(super) struct IndexColumn(Vec<u32>);
-
-impl Column {
+impl<T: Copy + Default> Column<T> {
     /// Makes room for `len` entries.
     fn reserve(&mut self, len: usize) {
-        if self.0.len() < len + SLACK {
-            self.0.resize(len + SLACK, 0.0);
+        if self.0.len() < len + WIDEST {
+            self.0.resize(len + WIDEST, T::default());
         }
     }
 
+    /// All entries, and what lies behind them.
+    #[inline(always)]
+    pub(super) fn all(&self) -> &[T] {
+        &self.0
+    }
+}
+
+impl Column {
     #[inline(always)]
     pub(super) fn load<S: Isa>(&self, isa: S, at: usize) -> S::F {
         isa.load(&self.0[at..])
@@ -36,21 +38,9 @@ impl Column {
     pub(super) fn store<F: Lanes>(&mut self, at: usize, value: F) {
         value.store(&mut self.0[at..]);
     }
-
-    /// All entries, and what lies behind them.
-    #[inline(always)]
-    pub(super) fn all(&self) -> &[f32] {
-        &self.0
-    }
 }
 
-impl IndexColumn {
-    fn reserve(&mut self, len: usize) {
-        if self.0.len() < len + SLACK {
-            self.0.resize(len + SLACK, 0);
-        }
-    }
-
+impl Column<u32> {
     #[inline(always)]
     pub(super) fn load<S: Isa>(&self, isa: S, at: usize) -> S::I {
         isa.load_u32(&self.0[at..])
@@ -59,11 +49,6 @@ impl IndexColumn {
     #[inline(always)]
     pub(super) fn store<I: IntLanes>(&mut self, at: usize, value: I) {
         value.store(&mut self.0[at..]);
-    }
-
-    #[inline(always)]
-    pub(super) fn all(&self) -> &[u32] {
-        &self.0
     }
 }
 
@@ -126,7 +111,7 @@ pub(super) struct Rays {
     pub(super) d: Columns3,
     pub(super) time: Column,
     /// Number of the sample in the batch.
-    pub(super) slot: IndexColumn,
+    pub(super) slot: Column<u32>,
     pub(super) len: usize,
 }
 
@@ -290,8 +275,8 @@ pub(super) enum Guarded {
 /// What is known of each camera sample of a batch.
 #[derive(Debug, Default)]
 pub(super) struct Slots {
-    pub(super) pixel: [IndexColumn; 2],
-    pub(super) index: IndexColumn,
+    pub(super) pixel: [Column<u32>; 2],
+    pub(super) index: Column<u32>,
     /// What the path has brought home.
     pub(super) sum: Vec<Rgb<f32>>,
     /// What of it came by few edges; empty where nobody wants to know.
@@ -316,27 +301,22 @@ impl Slots {
     /// Notes that the samples of the lanes that are set have met a surface.
     #[inline(always)]
     pub(super) fn meet<I: IntLanes>(&mut self, mask: I::Mask, slots: I) {
-        let mut bits = mask.bits();
-        while bits != 0 {
-            self.met[slots.extract(bits.trailing_zeros() as usize) as usize] = true;
-            bits &= bits - 1;
+        for lane in Bits(mask.bits()) {
+            self.met[slots.extract(lane) as usize] = true;
         }
     }
 
     /// Adds light to the samples of the lanes that are set.
     #[inline(always)]
     pub(super) fn add<F: Lanes>(&mut self, mask: F::Mask, slots: F::Int, light: Rgb<F>) {
-        let mut bits = mask.bits();
-        let mut rows = [[0.0; SLACK]; 3];
-        let mut names = [0; SLACK];
+        let mut rows = [[0.0; WIDEST]; 3];
+        let mut names = [0; WIDEST];
         light.r.store(&mut rows[0]);
         light.g.store(&mut rows[1]);
         light.b.store(&mut rows[2]);
         slots.store(&mut names);
-        while bits != 0 {
-            let lane = bits.trailing_zeros() as usize;
+        for lane in Bits(mask.bits()) {
             self.bring(names[lane], Rgb::new(rows[0][lane], rows[1][lane], rows[2][lane]));
-            bits &= bits - 1;
         }
     }
 
@@ -362,9 +342,9 @@ impl Slots {
         light.scale(limit / luminance)
     }
 
-    /// Luminance of all samples.
+    /// Luminance of all samples that have any.
     pub(super) fn luminance(&self) -> f64 {
-        self.sum.iter().map(|light| f64::from(light.luminance())).sum()
+        self.sum.iter().map(|light| f64::from(light.luminance())).filter(|light| light.is_finite()).sum()
     }
 }
 

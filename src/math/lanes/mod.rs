@@ -18,6 +18,7 @@
 #[macro_use]
 mod operators;
 
+mod bits;
 mod compare;
 mod functions;
 #[cfg(target_arch = "x86_64")]
@@ -33,6 +34,7 @@ mod wide;
 use std::fmt::Debug;
 use std::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
+pub use bits::Bits;
 pub use compare::{Compare, MaskLanes, Select};
 pub use int::{IntLanes, Wrapping};
 pub use isa::{Isa, Kernel};
@@ -41,6 +43,9 @@ pub use portable::{Portable, PortableF32, PortableMask, PortableU32};
 pub use scalar::Scalar;
 #[cfg(target_arch = "x86_64")]
 pub use wide::{Avx2, Avx512, F32x8, F32x16, Mask8, Mask16, U32x8, U32x16};
+
+/// Lanes of the widest instruction set: room for those of any.
+pub const WIDEST: usize = 16;
 
 /// Float lanes: [`Isa::WIDTH`] numbers of type `f32` that are computed with together.
 ///

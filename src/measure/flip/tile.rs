@@ -9,13 +9,10 @@ use super::sight::{Desk, Extent, Plane, Seen, Sight, see};
 use super::tone::Tone;
 use crate::image::Image;
 use crate::math::Rgb;
-use crate::math::lanes::{Compare as _, Isa, Kernel, Lanes};
+use crate::math::lanes::{Compare as _, Isa, Kernel, Lanes, WIDEST};
 
 /// Most columns and rows of a tile.
 pub(super) const SIDES: [usize; 2] = [128, 64];
-
-/// The widest lanes there are; rows are padded to a multiple.
-const LANES: usize = 16;
 
 /// A part of two pictures, and how to compare it.
 #[derive(Debug)]
@@ -38,7 +35,7 @@ impl<'a> Tile<'a> {
     ) -> Self {
         let [width, height] = [pictures[0].width() as usize, pictures[0].height() as usize];
         let extent = Extent {
-            columns: (width - origin[0]).min(SIDES[0]).next_multiple_of(LANES),
+            columns: (width - origin[0]).min(SIDES[0]).next_multiple_of(WIDEST),
             rows: (height - origin[1]).min(SIDES[1]),
             reach: filters.radius(),
         };
@@ -60,7 +57,7 @@ impl<'a> Tile<'a> {
 fn surroundings(picture: &Image, origin: [usize; 2], extent: Extent) -> [Plane; 3] {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let inside = |i: usize, end: usize| i.saturating_sub(extent.reach).min(end - 1);
-    let length = (extent.stride() * extent.lines()).next_multiple_of(LANES);
+    let length = (extent.stride() * extent.lines()).next_multiple_of(WIDEST);
     let mut planes = [(); 3].map(|()| vec![0.0; length]);
     let [red, green, blue] = &mut planes;
     for line in 0..extent.lines() {
