@@ -177,6 +177,12 @@ impl Lights {
         }
     }
 
+    /// The probability with which a light at infinity is asked, from wherever, times [`Self::favour`]; 0 if it is never asked.
+    pub(super) fn chance_at_infinity(&self, id: LightId) -> f32 {
+        let others = if self.tree.is_some() { self.tree_share() } else { 0.0 };
+        self.favour() * self.probabilities[id.index()] * (1.0 - others)
+    }
+
     /// The density per solid angle, the choice included, with which asking from `at` draws the direction `wi`, along which a ray met the
     /// light at `emitter`, times [`Self::favour`]; 0 if it is never asked.
     pub(super) fn pdf(
@@ -191,8 +197,7 @@ impl Lights {
             return self.favour() * self.probabilities[id.index()] * light.pdf(at, wi, emitter);
         };
         if light.is_infinite() {
-            let chance = self.probabilities[id.index()] * (1.0 - self.tree_share());
-            return self.favour() * chance * light.pdf(at, wi, emitter);
+            return self.chance_at_infinity(id) * light.pdf(at, wi, emitter);
         }
         let part = if tree.is_split(id) { emitter.map(|emitter| emitter.prim) } else { None };
         let chance = tree.probability(at, Leaf { light: id, part }) * self.tree_share();
