@@ -11,7 +11,7 @@
 //!
 //! **Memory.** Corners are stored with their colour and with what the density of their cell is beside its brightness (for the cell to the right of
 //! them and below). So four look-ups of 16 bytes, two of which are mostly in the same line of the cache, bring light and density. With the tables to draw from
-//! 22 bytes per pixel.
+//! 21 bytes per pixel.
 
 use crate::image::Image;
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, Select, Wrapping};
@@ -121,14 +121,14 @@ impl EnvironmentMap {
         let corner = |offset| isa.gather_quads(&self.corners, Wrapping::<u32>::wrapping_add(first, offset));
         let sine = |offset| isa.gather(&self.sines, Wrapping::<u32>::wrapping_add(row, offset));
         let [r, g, b, density] = corner(0);
-        let upper = [Rgb::new(r, g, b), colour(corner(1))];
-        let lower = [colour(corner(stride)), colour(corner(stride + 1))];
+        let [a, b] = [Rgb::new(r, g, b), colour(corner(1))];
+        let [c, d] = [colour(corner(stride)), colour(corner(stride + 1))];
         let (above, below) = (sine(0), sine(1));
         Cell {
-            upper,
-            lower,
-            upper_weights: upper.map(|light| light.luminance() * above),
-            lower_weights: lower.map(|light| light.luminance() * below),
+            upper: [a, b],
+            lower: [c, d],
+            upper_weights: [a.luminance() * above, b.luminance() * above],
+            lower_weights: [c.luminance() * below, d.luminance() * below],
             density,
         }
     }
@@ -193,7 +193,7 @@ impl<S: Isa> Kernel<S> for LookUp<'_, S::F> {
     #[inline(always)]
     fn run(self, isa: S) -> Arriving<S::F> {
         let Self { map, d } = self;
-        let [width, height] = [map.width, map.height].map(to_f32);
+        let (width, height) = (to_f32(map.width), to_f32(map.height));
         let longitude = d.x.atan2(-d.z) * (1.0 / TAU) + (map.rotation + 0.5);
         // The length of the horizontal part keeps the angle exact near the poles.
         let sine = (d.x.square() + d.z.square()).sqrt();
@@ -226,11 +226,10 @@ impl<S: Isa> Kernel<S> for Draw<'_, S::F> {
         let cell = map.cell(isa, [chosen.column, chosen.row]);
         let [x, y] = cell.sample(chosen.within);
         // At the poles cells are halves, of light that does not change with the colatitude.
-        let (first, last) =
-            (Compare::<u32>::eq(chosen.row, 0), Compare::<u32>::eq(chosen.row, map.height));
+        let (first, last) = (Compare::<u32>::eq(chosen.row, 0), Compare::<u32>::eq(chosen.row, map.height));
         let half = y * 0.5;
         let y = S::F::select(first, half + 0.5, S::F::select(last, half, y));
-        let [column, row] = [chosen.column, chosen.row].map(S::I::signed_to_float);
+        let (column, row) = (chosen.column.signed_to_float(), chosen.row.signed_to_float());
         let longitude = (column + (x - 0.5)) * (1.0 / to_f32(map.width)) - (map.rotation + 0.5);
         let colatitude = (row + (y - 0.5)) * (0.5 / to_f32(map.height));
         let (sine, cosine) = colatitude.sin_cos_turns();

@@ -48,8 +48,8 @@ impl Cumulative {
         if cells > MAX_LEN {
             return Err(TableError::TooMany);
         }
-        // Two entries to a part: twice as many parts were no faster.
-        let parts = (cells.next_power_of_two() / 2).max(1);
+        // About eight entries to a part: more parts are fewer steps, but of a larger guide, and were no faster.
+        let parts = (cells.next_power_of_two() / 8).max(1);
         let whole = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         Ok(Self {
             ends: Vec::with_capacity((cells + 1) * count),

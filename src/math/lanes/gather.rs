@@ -6,12 +6,12 @@
 #![expect(unsafe_code, reason = "the instructions take a pointer, whose bounds the mask keeps")]
 
 use std::arch::x86_64::{
-    __m128, __m128i, _mm_loadu_ps, _mm_maskload_ps, _mm_maskz_loadu_ps, _mm_set_epi32, _mm256_castpd_ps, _mm256_castps_pd,
-    _mm256_castsi256_ps, _mm256_mask_i32gather_epi32, _mm256_mask_i32gather_ps, _mm256_set_m128,
-    _mm256_setzero_ps, _mm256_setzero_si256, _mm256_unpackhi_pd, _mm256_unpackhi_ps, _mm256_unpacklo_pd,
-    _mm256_unpacklo_ps, _mm512_castpd_ps, _mm512_castps_pd, _mm512_castps128_ps512, _mm512_insertf32x4,
-    _mm512_mask_i32gather_epi32, _mm512_mask_i32gather_ps, _mm512_setzero_ps, _mm512_setzero_si512,
-    _mm512_unpackhi_pd, _mm512_unpackhi_ps, _mm512_unpacklo_pd, _mm512_unpacklo_ps,
+    __m128, __m128i, _mm_loadu_ps, _mm_maskload_ps, _mm_maskz_loadu_ps, _mm_set_epi32, _mm256_castpd_ps,
+    _mm256_castps_pd, _mm256_castsi256_ps, _mm256_mask_i32gather_epi32, _mm256_mask_i32gather_ps,
+    _mm256_set_m128, _mm256_setzero_ps, _mm256_setzero_si256, _mm256_unpackhi_pd, _mm256_unpackhi_ps,
+    _mm256_unpacklo_pd, _mm256_unpacklo_ps, _mm512_castpd_ps, _mm512_castps_pd, _mm512_castps128_ps512,
+    _mm512_insertf32x4, _mm512_mask_i32gather_epi32, _mm512_mask_i32gather_ps, _mm512_setzero_ps,
+    _mm512_setzero_si512, _mm512_unpackhi_pd, _mm512_unpackhi_ps, _mm512_unpacklo_pd, _mm512_unpacklo_ps,
 };
 
 use fearless_simd::x86::{Avx2, Avx512};
