@@ -574,14 +574,11 @@ fn samples_of_a_picture_are_its_directions() {
 
 #[test]
 fn the_density_of_a_picture_is_its_light() {
-    // Columns that wrap, a rotation, a sun beside black pixels: everywhere but where the last rows shrink to a point.
-    let (width, height) = (48, 24);
-    let mut image = Image::new(width, height);
+    // Light that changes along rows, with black columns and a bright one at the seam; across rows the sine would change with it.
     let mut random = Random::new(140);
-    for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
-        *pixel = if i % 7 == 3 { Rgb::BLACK } else { Rgb::from(random.triple()) };
-    }
-    image.set_pixel(0, 5, Rgb::gray(300.0));
+    let mut row: Vec<_> = (0..48).map(|_| Rgb::from(random.triple())).collect();
+    (row[0], row[17], row[18], row[19]) = (Rgb::gray(300.0), Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
+    let image = Image::from_pixels(48, 24, row.repeat(24)).expect("fits");
     let environment = map(image, 0.5, 0.7);
     let light = Light::Environment(environment.clone());
     let mut ratios = Vec::new();
@@ -596,7 +593,7 @@ fn the_density_of_a_picture_is_its_light() {
     let mean = ratios.iter().sum::<f32>() / ratios.len() as f32;
     for ratio in ratios {
         // What a chord of the sine lacks, (pi / 24)^2 / 8, and the unit of 2^-24 that every cell has besides its share.
-        assert!((ratio / mean - 1.0).abs() < 0.01, "{ratio}, not {mean}");
+        assert!((ratio / mean - 1.0).abs() < 0.004, "{ratio}, not {mean}");
     }
 }
 

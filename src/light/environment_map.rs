@@ -5,8 +5,8 @@
 //! interpolated to those of its neighbours; columns wrap, and above the first row and below the last light stays as it is there.
 //!
 //! **Cells.** Light is bilinear in cells whose corners are the middles of four pixels. A cell is chosen by the brightness that it has as a whole,
-//! then a place in it by the bilinear brightness of its corners, times the sine of the colatitude, which is interpolated likewise. So the density is that of the
-//! light to within what a sine is not straight in a pixel, and the map from the square is monotone within a row of cells:
+//! then a place in it by that of its corners, each times the sine of its colatitude, bilinearly. So the density is that of the
+//! light, but for what the sine changes within a pixel where the light does, too, and the map from the square is monotone in a row of cells:
 //! what is stratified stays so.
 //!
 //! **Memory.** Corners are stored with their colour and with what the density of their cell is beside its brightness (for the cell to the right of
