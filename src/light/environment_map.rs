@@ -25,8 +25,8 @@ pub struct EnvironmentMap {
     /// Of (width + 2) x (height + 2) corners, by row: corner (i, j) is the middle of the pixel (i - 1, j - 1), repeated beyond the edges. Radiance,
     /// and the density of the cell over that of its interpolated brightness.
     corners: Vec<[f32; 4]>,
-    /// Sines of the colatitudes of the rows of corners.
-    sines: Vec<f32>,
+    /// Of each row of cells the sines of the colatitudes of its upper and lower corners; two are spare.
+    sines: Vec<[f32; 4]>,
     width: u32,
     height: u32,
     /// In turns.
@@ -73,6 +73,7 @@ impl EnvironmentMap {
         drop(image);
         let means = means(&corners, &sines, width);
         let choice = Table2d::new(&means, width as usize)?;
+        let sines = sines.windows(2).map(|both| [both[0], both[1], 0.0, 0.0]).collect();
         let mut map =
             Self { corners, sines, width, height, rotation: rotation / TAU, choice, mean_luminance };
         map.note_densities(&means);
@@ -119,11 +120,10 @@ impl EnvironmentMap {
         let stride = self.width + 2;
         let first = Wrapping::<S::I>::wrapping_add(Wrapping::<u32>::wrapping_mul(row, stride), column);
         let corner = |offset| isa.gather_quads(&self.corners, Wrapping::<u32>::wrapping_add(first, offset));
-        let sine = |offset| isa.gather(&self.sines, Wrapping::<u32>::wrapping_add(row, offset));
         let [r, g, b, density] = corner(0);
         let [a, b] = [Rgb::new(r, g, b), colour(corner(1))];
         let [c, d] = [colour(corner(stride)), colour(corner(stride + 1))];
-        let (above, below) = (sine(0), sine(1));
+        let [above, below, ..] = isa.gather_quads(&self.sines, row);
         Cell {
             upper: [a, b],
             lower: [c, d],

@@ -19,12 +19,16 @@ pub(super) const UNIT: f32 = 1.0 / 16_777_216.0;
 /// The greatest number of entries of a distribution.
 pub(super) const MAX_LEN: usize = 1 << 22;
 
+/// What a guide notes of an entry's number, and for as many more as do not fit beside it, or more.
+const NUMBER: u32 = (1 << 22) - 1;
+const MANY: u32 = u32::MAX >> 22;
+
 /// Distributions with the same number of entries.
 #[derive(Clone, Debug)]
 pub(super) struct Cumulative {
     /// The lower end of each entry and the upper one of the last, for one distribution after the other. All zero where no weight is positive.
     ends: Vec<u32>,
-    /// The entries in which the parts begin, and the last, for one distribution after the other.
+    /// The entry in which each part begins, and above it how many more it meets, for one distribution after the other.
     guide: Vec<u32>,
     cells: u32,
     parts: u32,
@@ -48,12 +52,15 @@ impl Cumulative {
         if cells > MAX_LEN {
             return Err(TableError::TooMany);
         }
-        // About eight entries to a part: more parts are fewer steps, but of a larger guide, and were no faster.
-        let parts = (cells.next_power_of_two() / 8).max(1);
+        // Eight entries to a part: more parts were no faster. But the guide of one distribution may stay in the cache, and four
+        // parts to an entry save most steps.
+        let entries = cells.next_power_of_two();
+        let cached = if count == 1 { Ord::min(4 * entries, 1 << 12) } else { 1 };
+        let parts = Ord::max(entries / 8, cached);
         let whole = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         Ok(Self {
             ends: Vec::with_capacity((cells + 1) * count),
-            guide: Vec::with_capacity((parts + 1) * count),
+            guide: Vec::with_capacity(parts * count),
             cells: whole(cells),
             parts: whole(parts),
             shift: UNITS.ilog2() - parts.ilog2(),
@@ -84,15 +91,20 @@ impl Cumulative {
             });
         }
         let ends = &self.ends[first..];
-        let mut at = 0;
-        for part in 0..self.parts {
-            // The last whose lower end is not above; an empty one shares its end with the next.
-            while at + 1 < self.cells && ends[at as usize + 1] <= part << self.shift {
+        // The last whose lower end is not above; an empty one shares its end with the next.
+        let reach = |mut at: u32, unit: u32| {
+            while at + 1 < self.cells && ends[at as usize + 1] <= unit {
                 at += 1;
             }
-            self.guide.push(at);
+            at
+        };
+        let mut at = reach(0, 0);
+        for part in 0..self.parts {
+            let end = (part + 1) << self.shift;
+            let last = reach(at, end - 1);
+            self.guide.push(at | Ord::min(last - at, MANY) << MAX_LEN.ilog2());
+            at = reach(last, end);
         }
-        self.guide.push(self.cells.saturating_sub(1));
         Ok(total)
     }
 
@@ -108,12 +120,14 @@ impl Cumulative {
         let last = UNITS - 1;
         let unit = Compare::<u32>::min((u.clamp(0.0, 1.0) * (1.0 / UNIT)).to_int(), last);
         let part = Wrapping::<F::Int>::wrapping_add(
-            Wrapping::<u32>::wrapping_mul(which, self.parts + 1),
+            Wrapping::<u32>::wrapping_mul(which, self.parts),
             unit >> self.shift,
         );
         let first = Wrapping::<u32>::wrapping_mul(which, self.cells + 1);
-        let mut low = isa.gather_u32(&self.guide, part);
-        let mut high = isa.gather_u32(&self.guide, Wrapping::<u32>::wrapping_add(part, 1));
+        let guide = isa.gather_u32(&self.guide, part);
+        let (mut low, more) = (guide & NUMBER, guide >> MAX_LEN.ilog2());
+        let mut high = Wrapping::<F::Int>::wrapping_add(low, more);
+        high = F::Int::select(Compare::<u32>::eq(more, MANY), isa.splat_u32(self.cells - 1), high);
         let ends = &self.ends[..];
         while Compare::<F::Int>::lt(low, high).any() {
             // The upper middle: it goes up to there, or stays below.
@@ -173,7 +187,7 @@ mod tests {
 
     #[test]
     fn the_guide_leads_to_the_entry_that_owns_the_unit() {
-        for cells in [1, 2, 3, 7, 64, 65, 1000] {
+        for cells in [1, 2, 3, 7, 64, 65, 1000, 20_000] {
             let mut table = Cumulative::with_capacity(cells as usize, 2).expect("few");
             table.push((0..cells).map(|i| f64::from(i + 1))).expect("positive");
             table.push(weights(cells).into_iter()).expect("positive");

@@ -2,7 +2,7 @@
 //!
 //! Exact and monotone as `cumulative` says: probabilities are those with which entries are drawn, and no positive one is lost.
 //!
-//! Memory: 4 bytes per entry, and up to one more for the guide.
+//! Memory: 4 bytes per entry, and for the guide up to 16 KB or one byte per entry.
 
 use super::cumulative::{Cumulative, Found, MAX_LEN};
 use crate::math::lanes::{IntLanes, Lanes};

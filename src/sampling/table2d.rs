@@ -3,7 +3,7 @@
 //! Made for environment images. Rows that are black are never drawn. As [`super::Table1d`], probabilities are those with
 //! which cells are drawn, exactly, and no positive cell is lost.
 //!
-//! Memory: up to 5 bytes per cell and 13 more per row. 2048 x 1024 cells take 9.5 MB.
+//! Memory: up to 5 bytes per cell and 13 more per row, and up to 16 KB. 2048 x 1024 cells take 9.5 MB.
 
 use super::cumulative::{Cumulative, Found};
 use super::table1d::{Table1d, TableError};
