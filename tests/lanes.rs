@@ -331,6 +331,7 @@ impl<S: Isa> Kernel<S> for Memory {
                     if found(i) { INTS[index[i] as usize] } else { 0 }
                 });
                 rows::<S>(isa, len / 3, index);
+                quads::<S>(isa, len / 4, index);
             }
         }
         compress::<S>(isa);
@@ -356,6 +357,26 @@ fn rows<S: Isa>(isa: S, len: usize, index: &[u32]) {
             });
             check_u32::<S>("gather_rows_u32", of_ints[k], |i| {
                 ints.get(names.extract(i) as usize).map_or(0, |row| row[k])
+            });
+        }
+    }
+}
+
+/// Rows of four, as those of three.
+#[inline(always)]
+fn quads<S: Isa>(isa: S, len: usize, index: &[u32]) {
+    let floats = &FLOATS.as_chunks::<4>().0[..len];
+    let count = u32::try_from(len).expect("a small table");
+    for names in [
+        isa.load_u32(index),
+        isa.per_lane_u32(|i| index[i] % Ord::max(count, 1)),
+        isa.per_lane_u32(|i| if count == 0 || i == 3 { index[i] } else { index[i] % count }),
+        isa.splat_u32(0x4000_0001),
+    ] {
+        let found = isa.gather_quads(floats, names);
+        for (k, column) in found.into_iter().enumerate() {
+            check::<S>("gather_quads", column, false, |i| {
+                floats.get(names.extract(i) as usize).map_or(0.0, |row| row[k])
             });
         }
     }

@@ -573,6 +573,55 @@ fn samples_of_a_picture_are_its_directions() {
 }
 
 #[test]
+fn the_density_of_a_picture_is_its_light() {
+    // Light that changes along rows, with black columns and a bright one at the seam; across rows the sine would change with it.
+    let mut random = Random::new(140);
+    let mut row: Vec<_> = (0..48).map(|_| Rgb::from(random.triple())).collect();
+    (row[0], row[17], row[18], row[19]) = (Rgb::gray(300.0), Rgb::BLACK, Rgb::BLACK, Rgb::BLACK);
+    let image = Image::from_pixels(48, 24, row.repeat(24)).expect("fits");
+    let environment = map(image, 0.5, 0.7);
+    let light = Light::Environment(environment.clone());
+    let mut ratios = Vec::new();
+    for _ in 0..50_000 {
+        let d = random.direction();
+        let luminance = environment.radiance(d.into()).luminance();
+        if d.y.abs() < 0.97 && luminance > 1e-6 {
+            ratios.push(light.pdf(at(0.0, 0.0, 0.0), d, None) / luminance);
+        }
+    }
+    assert!(ratios.len() > 40_000, "only {} directions", ratios.len());
+    let mean = ratios.iter().sum::<f32>() / ratios.len() as f32;
+    for ratio in ratios {
+        // What a chord of the sine lacks, (pi / 24)^2 / 8, and the unit of 2^-24 that every cell has besides its share.
+        assert!((ratio / mean - 1.0).abs() < 0.004, "{ratio}, not {mean}");
+    }
+}
+
+#[test]
+fn pairs_in_order_are_drawn_as_places_in_order() {
+    let light = Light::Environment(map(picture(9), 1.0, 0.0));
+    let draw = |u2| {
+        // Both hemispheres, so that all directions count.
+        let [up, down] = [UP, -UP].map(|n| light.sample(Reference { p: ORIGIN, n }, u2));
+        let wi = if up.valid { up.wi } else { down.wi };
+        // From where columns of cells begin: half a pixel before the seam, of sixteen in the half of the circle.
+        let longitude = wi.x.atan2(-wi.z) + std::f32::consts::PI * (1.0 + 1.0 / 16.0);
+        [longitude.rem_euclid(std::f32::consts::TAU), wi.y.acos()]
+    };
+    let last = 1.0 - f32::EPSILON;
+    for fixed in [0.003, 0.2, 0.51, 0.77, 0.998] {
+        let (mut column, mut row) = ([0.0; 2], [0.0; 2]);
+        for i in 0..=4096_u16 {
+            let u = (f32::from(i) / 4096.0).min(last);
+            let (across, down) = (draw([u, fixed]), draw([fixed, u]));
+            assert!(across[0] > column[0] - 1e-5, "across at {u}, {fixed}: {across:?} after {column:?}");
+            assert!(down[1] > row[1] - 1e-3, "down at {fixed}, {u}: {down:?} after {row:?}");
+            (column, row) = (across, down);
+        }
+    }
+}
+
+#[test]
 fn a_picture_of_one_value_is_a_constant() {
     let value = Rgb::new(0.5, 1.0, 2.0);
     let even = map(Image::from_pixels(10, 5, vec![value; 50]).expect("fits"), 2.0, 0.3);

@@ -117,6 +117,22 @@ fn no_way_to_trace_rays_lets_a_bit_change() {
 }
 
 #[test]
+fn a_picture_of_a_sky_does_not_let_a_bit_change() {
+    let sky = format!("file = {:?}", concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/sky.exr"));
+    // With lamps beside it, and as the only light.
+    let among = SCENE.replace("radiance = 0.2", &sky);
+    let first = among.find("[[lights]]").expect("lights");
+    let alone = format!("{}[[lights]]\n    type = \"environment\"\n    {sky}\n", &among[..first]);
+    for (name, text) in [("among others", among), ("alone", alone)] {
+        for integrator in ["path", "whitted"] {
+            let settings = format!("spp = 5\n    integrator = \"{integrator}\"");
+            let scene = scene_of(&text.replace("spp = 5", &settings));
+            assert_the_same(&format!("{integrator}, a sky {name}"), &scene);
+        }
+    }
+}
+
+#[test]
 fn seeds_and_samplers_do_change_it() {
     let whole = bits(&scene_of(SCENE), 2, None);
     let other = bits(&scene_of(&SCENE.replace("spp = 5", "spp = 5\n    seed = 4294967296")), 2, None);

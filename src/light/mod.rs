@@ -9,6 +9,7 @@ mod area;
 mod delta;
 mod disc;
 mod environment;
+mod environment_map;
 mod mesh;
 mod rectangle;
 mod sphere;
@@ -17,13 +18,14 @@ pub mod tree;
 pub use area::{Area, Asked, Density, SampleArea, SurfacePoint};
 pub use delta::{Directional, Point, Spot, spot_cosines};
 pub use disc::DiscArea;
-pub use environment::{Environment, EnvironmentMap};
+pub use environment::Environment;
+pub use environment_map::{Arriving, EnvironmentMap};
 pub use mesh::MeshArea;
 pub use rectangle::RectangleArea;
 pub use sphere::SphereLight;
 pub use tree::LightTree;
 
-use crate::math::lanes::{Isa, Lanes};
+use crate::math::lanes::Lanes;
 use crate::math::{Rgb, Vec3};
 
 /// Which light of a scene.
@@ -172,22 +174,4 @@ impl Light {
             Self::Environment(light) => light.mean_luminance() * std::f32::consts::PI * disc * 4.0,
         }
     }
-}
-
-/// `f` of each lane, for what tables answer: one lane at a time.
-#[inline(always)]
-fn per_lane<F: Lanes, const K: usize>(like: F, f: impl Fn(usize) -> [f32; K]) -> [F; K] {
-    const WIDEST: usize = 16;
-    let mut rows = [[0.0_f32; WIDEST]; K];
-    for lane in 0..F::WIDTH.min(WIDEST) {
-        let values = f(lane);
-        for (row, value) in rows.iter_mut().zip(values) {
-            row[lane] = value;
-        }
-    }
-    let mut lanes = [like; K];
-    for (value, row) in lanes.iter_mut().zip(&rows) {
-        *value = like.isa().load(row);
-    }
-    lanes
 }

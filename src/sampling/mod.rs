@@ -4,10 +4,11 @@
 //! order in which numbers are asked for, on threads, or on what else a scene contains. Asking again gives the same number.
 //!
 //! Everything that shading calls is generic over lanes ([`crate::math::lanes`]): one value per lane, each lane with
-//! its own pixel and index. Tables ([`Table1d`], [`Table2d`]) are scalar.
+//! its own pixel and index.
 
 mod any;
 mod blue_noise;
+mod cumulative;
 mod dims;
 pub mod hash;
 pub mod heuristic;
@@ -33,7 +34,7 @@ pub use owen_sobol::OwenSobol;
 pub use spherical::{SphericalRectangle, SphericalTriangle};
 pub use stratified::Stratified;
 pub use table1d::{Pick, Picks, Table1d, TableError};
-pub use table2d::{Pick2d, Table2d};
+pub use table2d::{Picks2d, Table2d};
 
 use crate::math::lanes::{IntLanes, Wrapping};
 

@@ -1,22 +1,16 @@
 //! Piecewise-constant distributions over [0, 1): choosing one of many by weight.
 //!
-//! The cumulative distribution is summed in `f64` and stored in units of 2^-24, the step of the random numbers. So the
-//! probability that is reported is the one with which an entry is drawn, exactly, and every entry of positive weight has
-//! at least one unit: nothing that contributes is lost to rounding, however dim it is beside the rest.
-//! Weights below one unit are therefore drawn more often than they ask for, which costs variance and no bias.
+//! Exact and monotone as `cumulative` says: probabilities are those with which entries are drawn, and no positive one is lost.
 //!
-//! Memory: 4 bytes per entry and 4 more. Drawing is a bisection.
+//! Memory: 4 bytes per entry, and for the guide up to 16 KB or one byte per entry.
 
-use crate::math::lanes::{Compare, IntLanes, Isa, Lanes, Select, Wrapping};
-
-/// 2^24.
-pub(super) const UNITS: u32 = 1 << 24;
-const UNIT: f32 = 1.0 / 16_777_216.0;
+use super::cumulative::{Cumulative, Found, MAX_LEN};
+use crate::math::lanes::{IntLanes, Lanes};
 
 /// A distribution over [0, 1) that is constant on each of n equal cells.
 #[derive(Clone, Debug)]
 pub struct Table1d {
-    cumulative: Vec<u32>,
+    cumulative: Cumulative,
     total: f64,
 }
 
@@ -63,29 +57,27 @@ pub enum TableError {
 
 impl Table1d {
     /// The greatest number of entries.
-    pub const MAX_LEN: usize = 1 << 22;
+    pub const MAX_LEN: usize = MAX_LEN;
 
     /// The distribution with these weights.
     ///
     /// # Errors
     /// If no weight is positive, one is negative or not finite, or there are more than [`Table1d::MAX_LEN`].
     pub fn new(weights: &[f32]) -> Result<Self, TableError> {
-        let mut cumulative = Vec::with_capacity(weights.len() + 1);
-        let total = accumulate(weights.iter().map(|&w| f64::from(w)), &mut cumulative)?;
-        if total > 0.0 { Ok(Self { cumulative, total }) } else { Err(TableError::Zero) }
+        Self::of(weights.iter().map(|&w| f64::from(w)))
     }
 
     /// The same for weights in `f64`.
-    pub(super) fn from_f64(weights: &[f64]) -> Result<Self, TableError> {
-        let mut cumulative = Vec::with_capacity(weights.len() + 1);
-        let total = accumulate(weights.iter().copied(), &mut cumulative)?;
+    pub(super) fn of(weights: impl ExactSizeIterator<Item = f64> + Clone) -> Result<Self, TableError> {
+        let mut cumulative = Cumulative::with_capacity(weights.len(), 1)?;
+        let total = cumulative.push(weights)?;
         if total > 0.0 { Ok(Self { cumulative, total }) } else { Err(TableError::Zero) }
     }
 
     /// The number of entries, at least 1.
     #[expect(clippy::len_without_is_empty, reason = "never empty")]
     pub fn len(&self) -> usize {
-        self.cumulative.len() - 1
+        self.cumulative.cells()
     }
 
     /// The sum of the weights.
@@ -95,37 +87,21 @@ impl Table1d {
 
     /// The entry, place and density for a number in [0, 1).
     pub fn sample(&self, u: f32) -> Pick {
-        let (index, value) = draw(&self.cumulative, u);
-        let probability = self.probability(index);
-        Pick { index, value, probability, pdf: probability * to_f32(self.len()) }
+        let Found { index, within, probability } = self.cumulative.find(0, u);
+        let (index, cells) = (index as usize, self.len());
+        Pick { index, value: place(index, within, cells), probability, pdf: probability * to_f32(cells) }
     }
 
     /// As [`Table1d::sample`], for numbers over lanes: multiples of 2^-24 in [0, 1).
     #[inline(always)]
     pub fn sample_lanes<F: Lanes>(&self, u: F) -> Picks<F> {
-        let table = &self.cumulative;
-        let unit = (u * (1.0 / UNIT)).to_int();
-        // The last whose lower end is not above, by halving steps.
-        let (mut index, mut low) = (unit.splat(0), unit.splat(0));
-        let last = u32::try_from(self.len() - 1).unwrap_or(u32::MAX);
-        let mut step = last.checked_ilog2().map_or(0, |steps| 1 << steps);
-        while step > 0 {
-            let next = Wrapping::<u32>::wrapping_add(index, step);
-            let end = unit.isa().gather_u32(table, next);
-            let fits = Compare::<F::Int>::le(end, unit) & Compare::<u32>::le(next, last);
-            index = F::Int::select(fits, next, index);
-            low = F::Int::select(fits, end, low);
-            step >>= 1;
-        }
-        let high = unit.isa().gather_u32(table, Wrapping::<u32>::wrapping_add(index, 1));
-        let width = Wrapping::<F::Int>::wrapping_sub(high, low).signed_to_float();
-        let offset = Wrapping::<F::Int>::wrapping_sub(unit, low).signed_to_float();
-        Picks { index, within: (offset + 0.5) / width.max(1.0), probability: width * UNIT }
+        let Found { index, within, probability } = self.cumulative.find(u.to_bits().splat(0), u);
+        Picks { index, within, probability }
     }
 
     /// The probability of an entry: discrete; zero beyond the last.
     pub fn probability(&self, index: usize) -> f32 {
-        probability(&self.cumulative, index)
+        self.cumulative.probability(0, index)
     }
 
     /// The density at a place of [0, 1), with respect to length; zero outside.
@@ -134,66 +110,11 @@ impl Table1d {
     }
 }
 
-/// Appends the cumulative distribution in units of 2^-24, from 0 to 2^24 (all zero where the total is), and gives the
-/// total.
-pub(super) fn accumulate(
-    weights: impl ExactSizeIterator<Item = f64> + Clone,
-    to: &mut Vec<u32>,
-) -> Result<f64, TableError> {
-    if weights.len() > Table1d::MAX_LEN {
-        return Err(TableError::TooMany);
-    }
-    if let Some(bad) = weights.clone().position(|w| !(w >= 0.0 && w.is_finite())) {
-        return Err(TableError::Weight(bad));
-    }
-    let total: f64 = weights.clone().sum();
-    let positive = u32::try_from(weights.clone().filter(|&w| w > 0.0).count()).unwrap_or(UNITS);
-    let shared = f64::from(UNITS - positive);
-    // One unit for each that has passed, and its share of the rest.
-    let (mut passed, mut sum) = (0, 0.0);
-    to.push(0);
-    for weight in weights {
-        if weight > 0.0 {
-            passed += 1;
-            sum += weight;
-        }
-        to.push(if passed == positive && positive > 0 {
-            UNITS
-        } else {
-            passed + floor(sum / total * shared)
-        });
-    }
-    Ok(total)
-}
-
-/// The integer part of a number in [0, 2^24]; zero for NaN.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "saturates; the range is below 2^32"
-)]
-fn floor(x: f64) -> u32 {
-    x as u32
-}
-
-/// Entry and place of the number `u` in a cumulative distribution.
-pub(super) fn draw(cumulative: &[u32], u: f32) -> (usize, f32) {
-    let cells = cumulative.len() - 1;
-    let unit = floor(f64::from(u.clamp(0.0, 1.0)) * f64::from(UNITS));
-    let unit = Ord::min(unit, UNITS - 1);
-    // The last whose lower end is not above: it has a width, since an empty one shares its end with the next.
-    let index = cumulative.partition_point(|&end| end <= unit).clamp(1, cells) - 1;
-    let (low, high) = (cumulative[index], cumulative[index + 1]);
-    // The centre of the unit, so that entries with few units are not drawn towards their lower end.
-    let within = (f64::from(unit - low) + 0.5) / f64::from(Ord::max(high - low, 1));
-    (index, place(index, within, cells))
-}
-
 /// The place at a fraction of a cell. Rounding never moves it to another cell.
 #[expect(clippy::cast_possible_truncation, reason = "rounding is provided for")]
 #[expect(clippy::cast_precision_loss, reason = "indices are below 2^22")]
-fn place(index: usize, within: f64, cells: usize) -> f32 {
-    let value = ((index as f64 + within) / cells as f64) as f32;
+fn place(index: usize, within: f32, cells: usize) -> f32 {
+    let value = ((index as f64 + f64::from(within)) / cells as f64) as f32;
     match cell_of(value, cells) {
         Some(cell) if cell == index => value,
         Some(cell) if cell < index => value.next_up(),
@@ -201,30 +122,23 @@ fn place(index: usize, within: f64, cells: usize) -> f32 {
     }
 }
 
-/// The probability of a cell.
-pub(super) fn probability(cumulative: &[u32], index: usize) -> f32 {
-    match cumulative.get(index..index + 2) {
-        Some(&[low, high]) => (high - low) as f32 * UNIT,
-        _ => 0.0,
-    }
-}
-
 /// The cell of a place, if it is inside [0, 1).
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "inside [0, cells)")]
 #[expect(clippy::cast_precision_loss, reason = "cells are below 2^23")]
-pub(super) fn cell_of(value: f32, cells: usize) -> Option<usize> {
+fn cell_of(value: f32, cells: usize) -> Option<usize> {
     (0.0..1.0).contains(&value).then(|| ((f64::from(value) * cells as f64) as usize).min(cells - 1))
 }
 
 /// A count as a factor.
 #[expect(clippy::cast_precision_loss, reason = "counts are below 2^23")]
-pub(super) fn to_f32(n: usize) -> f32 {
+fn to_f32(n: usize) -> f32 {
     n as f32
 }
 
 #[cfg(test)]
 #[expect(clippy::float_cmp, reason = "exact by construction")]
 mod tests {
+    use super::super::cumulative::{UNIT, UNITS};
     use super::*;
 
     #[test]

@@ -1,30 +1,32 @@
-//! Piecewise-constant distributions over the unit square: a row by its total, then a cell of the row.
+//! Piecewise-constant distributions over a rectangle of cells: a row by its total, then a cell of the row.
 //!
-//! Made for environment images. Rows that are black are never drawn. As [`super::Table1d`], densities are those with
+//! Made for environment images. Rows that are black are never drawn. As [`super::Table1d`], probabilities are those with
 //! which cells are drawn, exactly, and no positive cell is lost.
 //!
-//! Memory: 4 bytes per cell, and 8 more per row. 2048 x 1024 cells take 8.4 MB.
+//! Memory: up to 5 bytes per cell and 13 more per row, and up to 16 KB. 2048 x 1024 cells take 9.5 MB.
 
-use super::table1d::{Table1d, TableError, accumulate, cell_of, draw, probability, to_f32};
+use super::cumulative::{Cumulative, Found};
+use super::table1d::{Table1d, TableError};
+use crate::math::lanes::Lanes;
 
-/// A distribution over [0, 1)^2 that is constant on each of width x height equal cells; u runs along a row.
+/// A distribution over width x height cells.
 #[derive(Clone, Debug)]
 pub struct Table2d {
     rows: Table1d,
-    /// The cumulative distribution of each row, `width + 1` numbers; all zero for a black row.
-    cumulative: Vec<u32>,
-    width: usize,
+    columns: Cumulative,
 }
 
-/// What was drawn from a [`Table2d`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pick2d {
-    /// The place in [0, 1)^2.
-    pub uv: [f32; 2],
-    /// Column and row of its cell.
-    pub cell: [usize; 2],
-    /// The density at `uv`, with respect to area over [0, 1)^2.
-    pub pdf: f32,
+/// What was drawn over lanes from a [`Table2d`].
+#[derive(Clone, Copy, Debug)]
+pub struct Picks2d<F: Lanes> {
+    /// The columns.
+    pub column: F::Int,
+    /// The rows.
+    pub row: F::Int,
+    /// The places within the cells, in [0, 1]^2: along the row, and downwards.
+    pub within: [F; 2],
+    /// The probabilities of the cells: discrete.
+    pub probability: F,
 }
 
 impl Table2d {
@@ -38,21 +40,21 @@ impl Table2d {
             return Err(TableError::Shape);
         }
         let height = weights.len() / width;
-        let mut cumulative = Vec::with_capacity(height * (width + 1));
+        let mut columns = Cumulative::with_capacity(width, height)?;
         let mut totals = Vec::with_capacity(height);
         for (y, row) in weights.chunks_exact(width).enumerate() {
-            let total = accumulate(row.iter().map(|&w| f64::from(w)), &mut cumulative);
+            let total = columns.push(row.iter().map(|&w| f64::from(w)));
             totals.push(total.map_err(|error| match error {
                 TableError::Weight(x) => TableError::Weight(y * width + x),
                 other => other,
             })?);
         }
-        Ok(Self { rows: Table1d::from_f64(&totals)?, cumulative, width })
+        Ok(Self { rows: Table1d::of(totals.iter().copied())?, columns })
     }
 
     /// Cells in a row.
     pub fn width(&self) -> usize {
-        self.width
+        self.columns.cells()
     }
 
     /// Rows.
@@ -65,34 +67,22 @@ impl Table2d {
         self.rows.total()
     }
 
-    /// The place and density for a pair in [0, 1)^2.
-    pub fn sample(&self, [u, v]: [f32; 2]) -> Pick2d {
-        let row = self.rows.sample(v);
-        let cumulative = self.row(row.index);
-        let (column, value) = draw(cumulative, u);
-        let pdf = row.pdf * probability(cumulative, column) * to_f32(self.width);
-        Pick2d { uv: [value, row.value], cell: [column, row.index], pdf }
-    }
-
-    /// The density at a place of the unit square, with respect to area; zero outside.
-    pub fn pdf(&self, [u, v]: [f32; 2]) -> f32 {
-        let (Some(column), Some(row)) = (cell_of(u, self.width), cell_of(v, self.height())) else {
-            return 0.0;
-        };
-        let rows = self.rows.probability(row) * to_f32(self.height());
-        rows * probability(self.row(row), column) * to_f32(self.width)
+    /// The cells for pairs of multiples of 2^-24 in [0, 1): the second chooses the row, the first the column.
+    #[inline(always)]
+    pub fn sample<F: Lanes>(&self, [u, v]: [F; 2]) -> Picks2d<F> {
+        let row = self.rows.sample_lanes(v);
+        let Found { index, within, probability } = self.columns.find(row.index, u);
+        Picks2d {
+            column: index,
+            row: row.index,
+            within: [within, row.within],
+            probability: row.probability * probability,
+        }
     }
 
     /// The probability of the cell at this column and row: discrete; zero outside.
     pub fn probability(&self, [column, row]: [usize; 2]) -> f32 {
-        if column >= self.width || row >= self.height() {
-            return 0.0;
-        }
-        self.rows.probability(row) * probability(self.row(row), column)
-    }
-
-    fn row(&self, y: usize) -> &[u32] {
-        &self.cumulative[y * (self.width + 1)..][..=self.width]
+        self.rows.probability(row) * self.columns.probability(row, column)
     }
 }
 
@@ -104,30 +94,28 @@ mod tests {
     const WEIGHTS: [f32; 12] = [0.0, 1.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 4.0, 0.0, 0.0, 9.0];
 
     #[test]
-    fn densities_follow_the_weights() {
+    fn probabilities_follow_the_weights() {
         let table = Table2d::new(&WEIGHTS, 4).expect("positive");
         assert_eq!((table.width(), table.height()), (4, 3), "size");
         for (i, w) in WEIGHTS.into_iter().enumerate() {
-            let uv = [((i % 4) as f32 + 0.5) / 4.0, ((i / 4) as f32 + 0.5) / 3.0];
-            let expected = w / 16.0 * 12.0;
-            assert!(
-                (table.pdf(uv) - expected).abs() <= 1e-6 * expected.max(1.0),
-                "cell {i}: {}",
-                table.pdf(uv)
-            );
+            let (p, expected) = (table.probability([i % 4, i / 4]), w / 16.0);
+            assert!((p - expected).abs() <= 1e-6, "cell {i}: {p}");
         }
-        assert!(table.pdf([1.0, 0.5]) == 0.0 && table.pdf([0.5, -0.1]) == 0.0, "outside");
+        assert!(table.probability([4, 0]) == 0.0 && table.probability([0, 3]) == 0.0, "outside");
+        assert!((table.total() - 16.0).abs() < 1e-12, "total {}", table.total());
     }
 
     #[test]
-    fn samples_carry_the_density_of_their_place() {
+    fn cells_are_drawn_with_their_probabilities() {
         let table = Table2d::new(&WEIGHTS, 4).expect("positive");
         let mut counts = [0_u32; 12];
         for i in 0..64 {
             for j in 0..64 {
                 let pick = table.sample([(i as f32 + 0.5) / 64.0, (j as f32 + 0.5) / 64.0]);
-                assert!(pick.pdf > 0.0 && pick.pdf == table.pdf(pick.uv), "{pick:?}");
-                counts[pick.cell[1] * 4 + pick.cell[0]] += 1;
+                let cell = [pick.column as usize, pick.row as usize];
+                assert!(pick.probability > 0.0 && pick.probability == table.probability(cell), "{pick:?}");
+                assert!(pick.within.iter().all(|x| (0.0..=1.0).contains(x)), "{pick:?}");
+                counts[cell[1] * 4 + cell[0]] += 1;
             }
         }
         for (i, w) in WEIGHTS.into_iter().enumerate() {

@@ -89,9 +89,8 @@ fn callees(kernel: &Function, functions: &[Function], pointers: &HashMap<u64, St
 }
 
 /// What kernels may call: what tells of an index out of bounds and the like; whole numbers that are the same in all lanes; kernels
-/// that are functions of their own; the table of an environment, which every lane looks up by itself;
-/// and rows of three, whose gathers are compiled for their instruction set wherever they end up.
-const EXPECTED: [&str; 14] = [
+/// that are functions of their own; and rows of three and four, whose gathers are compiled for their instruction set wherever they end up.
+const EXPECTED: [&str; 17] = [
     "slice_index",
     "panic",
     "copy_from_slice",
@@ -103,9 +102,12 @@ const EXPECTED: [&str; 14] = [
     "kernels::pick",
     "kernels::numbers",
     "mapped::look_up",
-    "EnvironmentMap::sample_one",
+    "environment_map::look_up",
+    "environment_map::draw",
     "gather::eight_rows",
     "gather::sixteen_rows",
+    "gather::eight_quads",
+    "gather::sixteen_quads",
 ];
 
 #[test]

@@ -32,6 +32,7 @@ mod phong;
 #[path = "../support/random.rs"]
 mod random;
 mod rough;
+mod skies;
 mod smooth;
 
 use random::Random;

@@ -53,7 +53,7 @@ pub(super) fn asked<S: Isa>(
     let u2 = sampler.get_2d(Dim::LightPoint(0), vertex);
     if let Some(only) = lights.only() {
         let light = (&around.scene.lights[only.index()], None);
-        return from_light(isa, light, (isa.splat(1.0), lights.favour()), (reference, u2));
+        return from_light(isa, light, (isa.splat(1.0), lights.favour()), (reference, only_of(met.hit, u2)));
     }
     let u = sampler.get_1d(Dim::LightChoice, vertex);
     let Picked { ids: chosen, parts, probability } = lights.pick(isa, reference, u);
@@ -69,12 +69,24 @@ pub(super) fn asked<S: Isa>(
         let part = if lights.is_split(LightId(id)) { Some(parts) } else { None };
         all = Asked::select(
             same,
-            from_light(isa, (light, part), (probability, lights.favour()), (reference, u2)),
+            from_light(
+                isa,
+                (light, part),
+                (probability, lights.favour()),
+                (reference, only_of(same & met.hit, u2)),
+            ),
             all,
         );
         bits &= !same.bits();
     }
     all
+}
+
+/// Numbers of the lanes that ask, zeros in the others: what these would look up is of no use, and not in the cache.
+#[inline(always)]
+fn only_of<F: Lanes>(mask: F::Mask, [u, v]: [F; 2]) -> [F; 2] {
+    let zero = u.splat(0.0);
+    [F::select(mask, u, zero), F::select(mask, v, zero)]
 }
 
 impl<S: Isa> Asked<S> {

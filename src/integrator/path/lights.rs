@@ -3,8 +3,7 @@
 use crate::light::tree::{Drawn, Leaf};
 use crate::light::{Emitter, Environment, Light, LightId, LightTree, Reference};
 use crate::math::Vec3;
-use crate::math::lanes::WIDEST;
-use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes};
+use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, WIDEST};
 use crate::sampling::Table1d;
 use crate::scene::description::LightChoice;
 use crate::scene::{Direct, Scene};
@@ -47,6 +46,9 @@ pub(super) struct Lights {
     /// Those that a table chooses from: all, or where there is a tree those that it lacks.
     asked: Vec<LightId>,
     choice: Option<Table1d>,
+    /// Of those: their numbers, and with which probability the table chooses them.
+    names: Vec<u32>,
+    chances: Vec<f32>,
     /// By light, with which probability the table chooses it.
     probabilities: Vec<f32>,
     direct: Direct,
@@ -82,10 +84,13 @@ impl Lights {
         let (asked, weights): (Vec<_>, Vec<_>) = in_table.map(|(id, light)| (id, weight(light))).unzip();
         let choice = if asked.len() > 1 { Table1d::new(&weights).ok() } else { None };
         let mut probabilities = vec![0.0; scene.lights.len()];
-        for (index, id) in asked.iter().enumerate() {
-            probabilities[id.index()] = choice.as_ref().map_or(1.0, |table| table.probability(index));
+        let chance = |index| choice.as_ref().map_or(1.0, |table: &Table1d| table.probability(index));
+        let chances: Vec<f32> = (0..asked.len()).map(chance).collect();
+        for (id, chance) in asked.iter().zip(&chances) {
+            probabilities[id.index()] = *chance;
         }
-        Self { asked, choice, probabilities, direct: scene.render.direct, tree }
+        let names = asked.iter().map(|id: &LightId| id.0).collect();
+        Self { asked, choice, names, chances, probabilities, direct: scene.render.direct, tree }
     }
 
     /// Whether there is none to ask.
@@ -130,12 +135,7 @@ impl Lights {
     /// The lights for numbers in [0, 1).
     #[inline(always)]
     pub(super) fn pick<S: Isa>(&self, isa: S, at: Reference<S::F>, u: S::F) -> Picked<S> {
-        let mut numbers = [0.0; WIDEST];
-        u.store(&mut numbers);
-        let Some(tree) = &self.tree else {
-            let (ids, chances) = self.by_table(&numbers, S::WIDTH);
-            return Picked { ids, parts: isa.splat_u32(0), probability: isa.load(&chances) };
-        };
+        let Some(tree) = &self.tree else { return self.by_table(isa, u) };
         let (share, zero) = (self.tree_share(), isa.splat_u32(0));
         // The first numbers lead to the tree.
         let rest = (u * (1.0 / share)).min(1.0 - f32::EPSILON);
@@ -149,21 +149,24 @@ impl Lights {
             (ids[lane], parts[lane]) = (light.0, part.unwrap_or(0));
         }
         if !self.asked.is_empty() {
+            let mut numbers = [0.0; WIDEST];
+            u.store(&mut numbers);
             self.at_infinity(&numbers[..S::WIDTH], share, &mut ids, &mut chances);
         }
         let parts = if parts == [0; WIDEST] { zero } else { isa.load_u32(&parts) };
         Picked { ids, parts, probability: isa.load(&chances) }
     }
 
-    /// Out of line: scalar work, the same for all instruction sets.
-    #[inline(never)]
-    fn by_table(&self, numbers: &[f32; WIDEST], count: usize) -> ([u32; WIDEST], [f32; WIDEST]) {
-        let (mut ids, mut chances) = ([u32::MAX; WIDEST], [0.0; WIDEST]);
-        for lane in 0..count {
-            let id = self.asked[self.choice.as_ref().map_or(0, |table| table.sample(numbers[lane]).index)];
-            (ids[lane], chances[lane]) = (id.0, self.probabilities[id.index()]);
-        }
-        (ids, chances)
+    #[inline(always)]
+    fn by_table<S: Isa>(&self, isa: S, u: S::F) -> Picked<S> {
+        let zero = isa.splat_u32(0);
+        let index = match &self.choice {
+            Some(table) => table.sample_lanes(u).index,
+            None => zero,
+        };
+        let mut ids = [u32::MAX; WIDEST];
+        isa.gather_u32(&self.names, index).store(&mut ids);
+        Picked { ids, parts: zero, probability: isa.gather(&self.chances, index) }
     }
 
     /// Lights at infinity for the numbers that do not lead to the tree.
@@ -175,6 +178,12 @@ impl Lights {
             ids[lane] = id.0;
             chances[lane] = self.probabilities[id.index()] * (1.0 - share);
         }
+    }
+
+    /// The probability with which a light at infinity is asked, from wherever, times [`Self::favour`]; 0 if it is never asked.
+    pub(super) fn chance_at_infinity(&self, id: LightId) -> f32 {
+        let others = if self.tree.is_some() { self.tree_share() } else { 0.0 };
+        self.favour() * self.probabilities[id.index()] * (1.0 - others)
     }
 
     /// The density per solid angle, the choice included, with which asking from `at` draws the direction `wi`, along which a ray met the
@@ -191,8 +200,7 @@ impl Lights {
             return self.favour() * self.probabilities[id.index()] * light.pdf(at, wi, emitter);
         };
         if light.is_infinite() {
-            let chance = self.probabilities[id.index()] * (1.0 - self.tree_share());
-            return self.favour() * chance * light.pdf(at, wi, emitter);
+            return self.chance_at_infinity(id) * light.pdf(at, wi, emitter);
         }
         let part = if tree.is_split(id) { emitter.map(|emitter| emitter.prim) } else { None };
         let chance = tree.probability(at, Leaf { light: id, part }) * self.tree_share();

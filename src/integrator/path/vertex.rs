@@ -13,9 +13,9 @@ use crate::geometry::{PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
 use crate::integrator::{Counters, relief};
-use crate::light::{Emitter, Reference};
+use crate::light::{Arriving, Emitter, Environment, Reference};
 use crate::material::{Material, Media};
-use crate::math::lanes::{Bits, Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, WIDEST};
+use crate::math::lanes::{Bits, Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select, WIDEST};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
@@ -207,18 +207,15 @@ fn escape<S: Isa>(isa: S, around: &Surroundings<'_>, slots: &mut Slots, lanes: &
     if missed.none() {
         return;
     }
-    let light = match environment.constant() {
-        Some(radiance) => Rgb::splat(isa.splat(0.0), radiance),
-        None => {
-            let mut rows = [[0.0; WIDEST]; 3];
-            for lane in Bits(missed.bits()) {
-                let (d, o) = (lanes.d.extract(lane), lanes.o.extract(lane));
-                let asked = around.lights.pdf(around.scene, id, (Reference { p: o, n: d }, d), None);
-                let share = share(lanes.pdf.extract(lane), asked);
-                let Rgb { r, g, b } = environment.radiance(d.into()).scale(share);
-                [rows[0][lane], rows[1][lane], rows[2][lane]] = [r, g, b];
-            }
-            Rgb::new(isa.load(&rows[0]), isa.load(&rows[1]), isa.load(&rows[2]))
+    let light = match environment {
+        Environment::Constant(radiance) => Rgb::splat(isa.splat(0.0), *radiance),
+        Environment::Map(map) => {
+            // The others look where it costs least.
+            let up = Vec3::new(isa.splat(0.0), isa.splat(1.0), isa.splat(0.0));
+            let Arriving { radiance, pdf } = map.arriving(Vec3::select(missed, lanes.d, up));
+            let asked = pdf * around.lights.chance_at_infinity(id);
+            let shared = heuristic::power(lanes.pdf, asked);
+            radiance * S::F::select(lanes.pdf.gt(0.0), shared, isa.splat(1.0))
         }
     };
     slots.add(missed, lanes.slot, lanes.beta * light);

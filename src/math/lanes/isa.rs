@@ -44,6 +44,8 @@ pub trait Isa: Copy + Debug + Send + Sync + 'static {
     fn gather_u32(self, table: &[u32], index: Self::I) -> Self::I;
     /// The row `table[index]` of each lane, as columns; zeros where the index is outside the table.
     fn gather_rows(self, table: &[[f32; 3]], index: Self::I) -> [Self::F; 3];
+    /// The row `table[index]` of each lane, as columns; zeros where the index is outside the table.
+    fn gather_quads(self, table: &[[f32; 4]], index: Self::I) -> [Self::F; 4];
     /// `f(i)` in lane i. Slow; `f` must not compute with lanes.
     fn per_lane(self, f: impl FnMut(usize) -> f32) -> Self::F;
     /// `f(i)` in lane i. Slow; `f` must not compute with lanes.

@@ -90,6 +90,16 @@ impl<const N: usize> Isa for Portable<N> {
         ]
     }
     #[inline(always)]
+    fn gather_quads(self, table: &[[f32; 4]], index: Self::I) -> [Self::F; 4] {
+        let row = |i: usize| table.get(index.0[i] as usize).copied().unwrap_or_default();
+        [
+            PortableF32(each!(0.0, |i| row(i)[0])),
+            PortableF32(each!(0.0, |i| row(i)[1])),
+            PortableF32(each!(0.0, |i| row(i)[2])),
+            PortableF32(each!(0.0, |i| row(i)[3])),
+        ]
+    }
+    #[inline(always)]
     fn per_lane(self, mut f: impl FnMut(usize) -> f32) -> Self::F {
         PortableF32(each!(0.0, |i| f(i)))
     }

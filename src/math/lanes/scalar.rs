@@ -54,6 +54,10 @@ impl Isa for Scalar {
         table.get(index as usize).copied().unwrap_or_default()
     }
     #[inline(always)]
+    fn gather_quads(self, table: &[[f32; 4]], index: u32) -> [f32; 4] {
+        table.get(index as usize).copied().unwrap_or_default()
+    }
+    #[inline(always)]
     fn per_lane(self, mut f: impl FnMut(usize) -> f32) -> f32 {
         f(0)
     }

@@ -31,7 +31,7 @@ macro_rules! backend {
     (
         $isa:ident = $name:literal, $width:literal lanes, found by $found:ident;
         $float:ident = $f32:ident; $int:ident = $u32:ident, $i32:ident, $u8:ident; $mask:ident = $mask32:ident;
-        gather $gather_f32:ident, $gather_u32:ident, $gather_rows:ident
+        gather $gather_f32:ident, $gather_u32:ident, $gather_rows:ident, $gather_quads:ident
     ) => {
         #[doc = concat!("Proof that the processor has what the level `", $name, "` needs.")]
         #[derive(Clone, Copy, Debug)]
@@ -108,6 +108,11 @@ macro_rules! backend {
             fn gather_rows(self, table: &[[f32; 3]], index: $int) -> [$float; 3] {
                 let [a, b, c] = gather::$gather_rows(self.0, table, index.0);
                 [$float(a), $float(b), $float(c)]
+            }
+            #[inline(always)]
+            fn gather_quads(self, table: &[[f32; 4]], index: $int) -> [$float; 4] {
+                let [a, b, c, d] = gather::$gather_quads(self.0, table, index.0);
+                [$float(a), $float(b), $float(c), $float(d)]
             }
             #[inline(always)]
             fn per_lane(self, mut f: impl FnMut(usize) -> f32) -> $float {
@@ -364,10 +369,10 @@ macro_rules! backend {
 backend!(
     Avx2 = "avx2", 8 lanes, found by as_avx2;
     F32x8 = f32x8; U32x8 = u32x8, i32x8, u8x32; Mask8 = mask32x8;
-    gather eight_f32, eight_u32, eight_rows
+    gather eight_f32, eight_u32, eight_rows, eight_quads
 );
 backend!(
     Avx512 = "avx512", 16 lanes, found by as_avx512;
     F32x16 = f32x16; U32x16 = u32x16, i32x16, u8x64; Mask16 = mask32x16;
-    gather sixteen_f32, sixteen_u32, sixteen_rows
+    gather sixteen_f32, sixteen_u32, sixteen_rows, sixteen_quads
 );
