@@ -10,7 +10,7 @@ use clap_complete::Shell;
 use crate::bench::{self, Class};
 use crate::film::Aov;
 use crate::measure::Metric;
-use crate::scene::description::{Backend, Fresnel, Integrator, LightChoice, Query, Sampler, View};
+use crate::scene::description::{Backend, Fresnel, FuzzyBy, Integrator, LightChoice, Query, Sampler, View};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -97,6 +97,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(Fresnel::ALL, Fresnel::word))]
     pub fresnel: Option<String>,
 
+    /// How lobes become fuzzy reflections: by rays, by a filter over ideal mirrors, or by trembling normals
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyBy::ALL, FuzzyBy::word))]
+    pub glossy: Option<String>,
+
     /// Columns of the picture
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     pub width: Option<String>,
@@ -134,7 +138,7 @@ pub struct RenderArgs {
     pub glossy_samples: Option<String>,
 
     /// Further outputs of the EXR file, `cryptomatte` both of its kinds: direct, indirect, albedo, normal, geometric_normal, depth, position, uv, variance, samples, object_id,
-    /// material_id, crypto_object, crypto_material
+    /// material_id, crypto_object, crypto_material; with `--glossy two-pass` also gbuffer, which `specula fuzzy` reads
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words::of(&Aov::ALL, Aov::name))]
     pub aov: Vec<String>,
 

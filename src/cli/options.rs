@@ -29,6 +29,8 @@ pub(super) struct RenderOptions {
     pub(super) overrides: Vec<String>,
     pub(super) crop: Option<Window>,
     pub(super) layout: Layout,
+    /// Whether what fuzzy reflections are filtered from is written, too.
+    pub(super) first_pass: bool,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
     pub(super) precision: Precision,
@@ -59,6 +61,7 @@ impl RenderOptions {
             overrides: overrides(args),
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             layout: layout(&args.aov, &mut problems),
+            first_pass: args.aov.iter().any(|name| name == FIRST_PASS),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
                 time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
@@ -176,6 +179,7 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
         ("render.query", args.query.as_ref()),
         ("render.sampler", args.sampler.as_ref()),
         ("render.fresnel", args.fresnel.as_ref()),
+        ("render.glossy", args.glossy.as_ref()),
         ("film.width", args.width.as_ref()),
         ("film.height", args.height.as_ref()),
         ("render.max_depth", args.max_depth.as_ref()),
@@ -237,9 +241,12 @@ fn twice(path: &Path) -> Problem {
 /// All outputs that are mattes.
 const CRYPTOMATTE: &str = "cryptomatte";
 
+/// The output that is no mean of samples: what fuzzy reflections are filtered from.
+const FIRST_PASS: &str = "gbuffer";
+
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
-    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect();
+    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE, FIRST_PASS]).collect();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
         problems.push(on_command_line(what).remedy(suggest(name, &known)));

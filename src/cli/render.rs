@@ -15,6 +15,7 @@ use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
+use crate::post;
 use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
@@ -54,6 +55,7 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
         threads: options.threads,
         crop: options.crop,
         layout: options.layout.clone(),
+        first_pass: options.first_pass,
         limits: Limits {
             time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
             ..options.limits
@@ -123,7 +125,13 @@ fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phas
         match format {
             Format::Exr => {
                 let attributes = statistics::attributes(scene, rendered, load);
-                log::warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
+                let mut picture = rendered.film.picture(options.precision, attributes);
+                if options.first_pass {
+                    let (channels, attributes) = post::layers(&rendered.first_pass);
+                    picture.channels.extend(channels);
+                    picture.attributes.extend(attributes);
+                }
+                log::warn(&exr::write(path, picture)?);
             }
             Format::Png => png::write(path, &rendered.film.image(), development(scene))?,
         }

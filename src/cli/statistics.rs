@@ -10,7 +10,7 @@ use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::ChosenLights;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
-use crate::scene::description::{Integrator, Knob};
+use crate::scene::description::{FuzzyBy, Integrator, Knob};
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -60,6 +60,13 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         entries.push(("light_choice", lights.choice.word().to_owned()));
     }
     entries.push(("query", render::query(scene).query.word().to_owned()));
+    if settings.glossy != FuzzyBy::Lobe {
+        entries.push(("glossy", settings.glossy.word().to_owned()));
+    }
+    if settings.glossy == FuzzyBy::TwoPass {
+        entries.push(("fuzzy", json!(settings.fuzzy.to_json()).to_string()));
+        entries.push(("cpu_filter_s", seconds(statistics.filter.cpu).to_string()));
+    }
     if settings.clamp_indirect != Knob::Off {
         entries.push(("clamped_part", statistics.counters.clamped_part().to_string()));
     }
@@ -115,6 +122,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
             "load": phase(times.load),
             "build": phase(statistics.build),
             "render": phase(statistics.render),
+            "filter": phase(statistics.filter),
             "write": phase(times.write),
         },
         "samples": statistics.samples,
@@ -238,6 +246,7 @@ mod tests {
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
             layout: crate::film::Layout::default(),
+            first_pass: false,
             crop: None,
             threads: None,
             limits: render::Limits::default(),

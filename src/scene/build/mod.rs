@@ -24,7 +24,7 @@ use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
-use crate::scene::description::{Description, GlassShadows};
+use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
 use origin::Origin;
 use shutter::Shutter;
@@ -47,7 +47,8 @@ pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel.into();
     let origin = Origin::of(&description.camera);
-    let mut builder = Builder { shutter, origin, fresnel, ..Builder::default() };
+    let jitters = description.render.glossy == FuzzyBy::Jitter;
+    let mut builder = Builder { shutter, origin, fresnel, jitters, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
@@ -86,6 +87,8 @@ struct Builder {
     materials: Vec<Material>,
     /// How reflectance depends on the angle where a material does not say.
     fresnel: FresnelModel,
+    /// Whether fuzzy mirrors become mirrors with a trembling normal.
+    jitters: bool,
     /// Names of the scene's own materials, by number; those of mesh files follow without names.
     material_names: Vec<String>,
     lights: Vec<Light>,
