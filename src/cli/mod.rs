@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod diff;
 mod documents;
+mod fuzzy;
 mod interrupt;
 mod log;
 mod options;
@@ -25,8 +26,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs,
-    RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
+    PlanArgs, RenderArgs,
 };
 
 use crate::error::{Error, Result};
@@ -46,6 +47,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Diff(args) => diff::run(&args),
+        Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),

@@ -1,8 +1,10 @@
 //! The command line as meant: checked, with defaults resolved.
 
 mod bench;
+mod fuzzy;
 
 pub(super) use bench::BenchOptions;
+pub(super) use fuzzy::FuzzyOptions;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};

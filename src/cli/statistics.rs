@@ -64,7 +64,9 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         entries.push(("glossy", settings.glossy.word().to_owned()));
     }
     if settings.glossy == FuzzyBy::TwoPass {
-        entries.push(("fuzzy", json!(settings.fuzzy.to_json()).to_string()));
+        entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
+        entries.push(("exposure_ev", scene.film.exposure_ev.to_string()));
+        entries.push(("tone", scene.film.tone.word().to_owned()));
         entries.push(("cpu_filter_s", seconds(statistics.filter.cpu).to_string()));
     }
     if settings.clamp_indirect != Knob::Off {
