@@ -13,6 +13,9 @@ use glam::Vec3;
 /// Steps to both sides that are more unlike than this ratio, squared, stand on an edge: the shorter one counts.
 const UNLIKE: f32 = 4.0;
 
+/// Beyond this angle, in radians, the radius of a lobe in a plane is not told by its tangent.
+const WIDEST: f32 = 1.4;
+
 /// Half the width and half the height of the window of a pixel, in pixels; zero for a mirrored ray without a length.
 pub(super) fn reach(
     g: &GBuffer,
@@ -52,11 +55,11 @@ fn ellipse(g: &GBuffer, at: [u32; 2], mirror: &Mirror, lobe: &Lobe) -> Option<[f
     };
     let [u, v] = steps(g, at, mirror, turn);
     let (u, v) = (u?, v?);
-    // The pixels (i, j) with |i u + j v| below the chord of the lobe.
+    // The pixels (i, j) with |i u + j v| below the radius of the lobe in a plane straight ahead, which is more than its chord.
     let (uu, uv, vv) = (u.dot(u), u.dot(v), v.dot(v));
     let determinant = uu * vv - uv * uv;
-    let chord2 = 2.0 * lobe.t_max;
-    let extents = [chord2 * vv / determinant, chord2 * uu / determinant].map(f32::sqrt);
+    let radius2 = lobe.angle().min(WIDEST).tan().powi(2);
+    let extents = [radius2 * vv / determinant, radius2 * uu / determinant].map(f32::sqrt);
     (determinant > 1e-6 * uu * vv && extents.iter().all(|x| x.is_finite())).then_some(extents)
 }
 
