@@ -1,6 +1,7 @@
 //! The two-pass filter: what it is exactly right about, what it must never do, and what making it quick costs.
 
 #[path = "support/first_passes.rs"]
+#[expect(dead_code, reason = "the bench uses the rest")]
 mod first_passes;
 #[path = "support/scene.rs"]
 mod support;

@@ -13,13 +13,12 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 /// Columns and rows of the pictures.
-const SIZE: [u32; 2] = [320, 200];
+const SIZE: [u32; 2] = [192, 120];
 
 /// Rays of a pixel of the reference.
 const REFERENCE: u32 = 4096;
 
-const SCENES: [&str; 6] =
-    ["fuzzy_plane", "fuzzy_curved", "fuzzy_contact", "fuzzy_silhouettes", "fuzzy_50", "fuzzy_100"];
+const SCENES: [&str; 5] = ["fuzzy_plane", "fuzzy_curved", "fuzzy_contact", "fuzzy_silhouettes", "fuzzy_100"];
 
 /// Keys beside the number of samples, and the numbers.
 type Contender = (&'static str, &'static [&'static str], &'static [u32]);

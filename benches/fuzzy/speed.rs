@@ -1,6 +1,6 @@
 //! CPU seconds of pass two for a megapixel.
 
-use crate::first_passes::facing;
+use crate::first_passes::parallel;
 use specula::image::Window;
 use specula::math::lanes::Level;
 use specula::post::{Filtered, Fuzzy, GBuffer, Lobe, Rejection, Speed, filter};
@@ -57,8 +57,8 @@ pub(crate) fn table(is_bench: bool) {
 fn picture(size: u32, radius: f32) -> GBuffer {
     let fields = |x: f32| (x * 4.0).rem_euclid(2.0) < 1.0;
     let light = |b: glam::Vec3| [if fields(b.x) == fields(b.y + 0.13) { 1.0 } else { 0.1 }, 0.5, b.x.abs()];
-    let scale = radius / (Lobe::new(EXPONENT, 0.01, 1.5).angle() * 0.5).tan();
-    facing(([size, size], scale), (1.0, 1.0), EXPONENT, light)
+    let pitch = Lobe::new(EXPONENT, 0.01, 1.5).angle().tan() / radius;
+    parallel(([size, size], pitch), EXPONENT, light)
 }
 
 /// Name, time and error of each.

@@ -291,8 +291,8 @@ impl Job<'_> {
         // A texel that is cut by the outline counts; what of it lies outside of the lobe is told by its middle.
         let margin = if plan.level > 0 { 0.5 } else { 0.0 };
         let patch = Patch {
-            middle: [x, y].map(|at| (at as f32 + 0.5) * texel),
-            radius: plan.radius.map(|radius| radius * texel + margin),
+            middle: [(x as f32 + 0.5) * texel, (y as f32 + 0.5) * texel],
+            radius: [plan.radius[0] * texel + margin, plan.radius[1] * texel + margin],
             round: self.fuzzy.shape == Shape::Round,
         };
         if plan.level == 0 {

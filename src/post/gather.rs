@@ -75,14 +75,24 @@ impl<F: Lanes> Sums<F> {
     fn flush(&mut self, total: &mut Total) {
         let zero = self.weight.splat(0.0);
         let mut numbers = [0.0; 16];
-        for (sum, lanes) in total.light.iter_mut().zip(self.light) {
-            lanes.store(&mut numbers);
-            *sum += numbers[..F::WIDTH].iter().map(|&x| f64::from(x)).sum::<f64>();
+        for i in 0..3 {
+            self.light[i].store(&mut numbers);
+            total.light[i] += sum(&numbers[..F::WIDTH]);
         }
         self.weight.store(&mut numbers);
-        total.weight += numbers[..F::WIDTH].iter().map(|&x| f64::from(x)).sum::<f64>();
+        total.weight += sum(&numbers[..F::WIDTH]);
         *self = Self::new(zero);
     }
+}
+
+/// The sum in double precision.
+#[inline(always)]
+fn sum(numbers: &[f32]) -> f64 {
+    let mut sum = 0.0;
+    for &x in numbers {
+        sum += f64::from(x);
+    }
+    sum
 }
 
 /// Some texels.
@@ -135,8 +145,8 @@ pub(super) fn scattered<S: Isa>(
     total: &mut Total,
 ) {
     let mut sums = Sums::new(isa.splat(0.0));
-    let low = field.origin.map(|x| x as f32);
-    let high = [0, 1].map(|i| low[i] + field.size[i] as f32);
+    let low = [field.origin[0] as f32, field.origin[1] as f32];
+    let high = [low[0] + field.size[0] as f32, low[1] + field.size[1] as f32];
     let stride = u32::try_from(field.size[0]).unwrap_or(0);
     let zero = isa.splat(0.0);
     for k in (0..count).step_by(S::WIDTH) {
@@ -160,47 +170,57 @@ pub(super) fn scattered<S: Isa>(
 fn range(middle: f32, radius: f32, origin: u32, size: usize) -> [usize; 2] {
     let (low, high) = ((middle - radius - 0.5).ceil(), (middle + radius - 0.5).floor() + 1.0);
     let origin = i64::from(origin);
-    let limit = |x: f32| ((x as i64) - origin).clamp(0, size as i64) as usize;
-    let [from, to] = [limit(low), limit(high)];
+    let from = ((low as i64) - origin).clamp(0, size as i64) as usize;
+    let to = ((high as i64) - origin).clamp(0, size as i64) as usize;
     [from, to.max(from)]
 }
 
+// No closures here: what is left out of line is compiled without the instruction set.
 #[inline(always)]
 fn load<S: Isa>(isa: S, field: &Field, at: usize) -> Taps<S::F> {
-    let vector = |columns: &[Vec<f32>; 3]| {
-        Vec3::new(isa.load(&columns[0][at..]), isa.load(&columns[1][at..]), isa.load(&columns[2][at..]))
-    };
     let has_areas = !field.area[0].is_empty();
     let zero = isa.splat(0.0);
-    let l = vector(&field.l);
+    let l = load_vector(isa, &field.l, at);
     Taps {
-        b: vector(&field.b),
+        b: load_vector(isa, &field.b, at),
         h: isa.load(&field.h[at..]),
         l: [l.x, l.y, l.z],
-        n: vector(&field.n),
+        n: load_vector(isa, &field.n, at),
         m: if has_areas { zero } else { isa.load(&field.m[at..]) },
-        area: if has_areas { vector(&field.area) } else { Vec3::new(zero, zero, zero) },
+        area: if has_areas { load_vector(isa, &field.area, at) } else { Vec3::new(zero, zero, zero) },
         id: isa.load_u32(&field.id[at..]),
     }
 }
 
 #[inline(always)]
+fn load_vector<S: Isa>(isa: S, columns: &[Vec<f32>; 3], at: usize) -> Vec3<S::F> {
+    Vec3::new(isa.load(&columns[0][at..]), isa.load(&columns[1][at..]), isa.load(&columns[2][at..]))
+}
+
+#[inline(always)]
 fn fetch<S: Isa>(isa: S, field: &Field, at: S::I) -> Taps<S::F> {
-    let vector = |columns: &[Vec<f32>; 3]| {
-        Vec3::new(isa.gather(&columns[0], at), isa.gather(&columns[1], at), isa.gather(&columns[2], at))
-    };
     let has_areas = !field.area[0].is_empty();
     let zero = isa.splat(0.0);
-    let l = vector(&field.l);
+    let l = fetch_vector(isa, &field.l, at);
     Taps {
-        b: vector(&field.b),
+        b: fetch_vector(isa, &field.b, at),
         h: isa.gather(&field.h, at),
         l: [l.x, l.y, l.z],
-        n: vector(&field.n),
+        n: fetch_vector(isa, &field.n, at),
         m: if has_areas { zero } else { isa.gather(&field.m, at) },
-        area: if has_areas { vector(&field.area) } else { Vec3::new(zero, zero, zero) },
+        area: if has_areas { fetch_vector(isa, &field.area, at) } else { Vec3::new(zero, zero, zero) },
         id: isa.gather_u32(&field.id, at),
     }
+}
+
+#[inline(always)]
+fn fetch_vector<S: Isa>(isa: S, columns: &[Vec<f32>; 3], at: S::I) -> Vec3<S::F> {
+    Vec3::new(isa.gather(&columns[0], at), isa.gather(&columns[1], at), isa.gather(&columns[2], at))
+}
+
+#[inline(always)]
+fn splat<S: Isa>(isa: S, v: [f32; 3]) -> Vec3<S::F> {
+    Vec3::new(isa.splat(v[0]), isa.splat(v[1]), isa.splat(v[2]))
 }
 
 /// Adds the texels that lie `inside`, where they are of the same reflector and of the lobe.
@@ -212,13 +232,12 @@ fn weigh<S: Isa>(
     sums: &mut Sums<S::F>,
 ) {
     let zero = isa.splat(0.0);
-    let constant = |v: [f32; 3]| Vec3::new(isa.splat(v[0]), isa.splat(v[1]), isa.splat(v[2]));
     let lobe = aim.lobe;
     // Towards where the other ray ends: directions have h = 0, and stay what they are.
-    let d = taps.b - constant(aim.a) * taps.h;
+    let d = taps.b - splat(isa, aim.a) * taps.h;
     let inverse = d.length2().max(1e-30).rsqrt();
-    let t = (d * inverse - constant(aim.w)).length2() * 0.5;
-    let turned = (taps.n - constant(aim.n)).length2();
+    let t = (d * inverse - splat(isa, aim.w)).length2() * 0.5;
+    let turned = (taps.n - splat(isa, aim.n)).length2();
     let same = inside & taps.id.eq(aim.id) & turned.le(lobe.normals_apart());
     let hit = match aim.rejection {
         Rejection::Cosine => same & t.le(lobe.t_max),
@@ -249,7 +268,7 @@ fn weigh<S: Isa>(
     let size = if by_area { taps.area.dot(d).abs() * inverse * inverse * inverse } else { taps.m };
     let weight = S::F::select(hit, f * size, zero);
     sums.weight += weight;
-    for (sum, light) in sums.light.iter_mut().zip(taps.l) {
-        *sum = weight.mul_add(light, *sum);
+    for i in 0..3 {
+        sums.light[i] = weight.mul_add(taps.l[i], sums.light[i]);
     }
 }

@@ -35,6 +35,21 @@ pub(crate) fn facing(
     GBuffer { full: size, window, scale, weight: 1.0, texels: texels.map(texel).collect() }
 }
 
+/// A flat mirror and a plane before it, r = 1 metre apart, seen by parallel rays that are `pitch` metres apart: windows are the same everywhere.
+pub(crate) fn parallel(
+    (size, pitch): ([u32; 2], f32),
+    exponent: f32,
+    light: impl Fn(Vec3) -> [f32; 3],
+) -> GBuffer {
+    let mut g = facing((size, pitch.recip()), (1.0, 1.0), exponent, |_| [0.0; 3]);
+    for mirror in g.texels.iter_mut().filter_map(|texel| texel.mirror.as_mut()) {
+        let b = mirror.a + Vec3::Z;
+        mirror.end = End::At(b);
+        mirror.radiance = light(b);
+    }
+    g
+}
+
 /// A picture in which everything odd happens: two reflectors side by side with holes in them, rays that end where they begin, that go
 /// on for ever, that end near and far, normals that jump, exponents from 0 to 1e6. Reflector 1 mirrors `light`.0, reflector 2 `light`.1.
 pub(crate) fn odd(size: [u32; 2], light: (f32, f32)) -> GBuffer {
