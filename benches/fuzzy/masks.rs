@@ -29,6 +29,7 @@ impl Class {
 }
 
 /// The class of each pixel by its samples.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places in small pictures")]
 pub(crate) fn classes(samples: &[GBuffer]) -> Vec<Class> {
     let window = samples[0].window;
     let (width, height) = (window.width() as i64, window.height() as i64);

@@ -13,7 +13,7 @@ const EXPONENT: f32 = 300.0;
 const PASSES: usize = 3;
 
 /// Pixels of windows that are looked at for a time, about: more are told from a part of the picture.
-const BUDGET: f64 = 4e9;
+const BUDGET: f64 = 5e8;
 
 /// A filter, and how many pixels of a window of this area it looks at.
 type Contestant = (&'static str, Speed, fn(f64) -> f64);
@@ -22,7 +22,7 @@ fn contestants() -> Vec<Contestant> {
     let plain = Speed::PLAIN;
     let pyramid = Speed { pyramid: Some(12.0), ..plain };
     let all = |area: f64| area;
-    let few = |area: f64| area.min(1800.0);
+    let few = |area: f64| area.min(400.0);
     vec![
         ("plain", plain, all),
         ("by angle", Speed { rejection: Rejection::Angle, ..plain }, all),
@@ -33,6 +33,7 @@ fn contestants() -> Vec<Contestant> {
         ("pyramid 12", pyramid, few),
         ("pyramid 16", Speed { pyramid: Some(16.0), ..plain }, few),
         ("half", Speed { half: Some(8.0), ..plain }, all),
+        ("pyramid 8, half", Speed { half: Some(8.0), pyramid: Some(8.0), ..plain }, few),
         ("pyramid 12, half", Speed { half: Some(8.0), ..pyramid }, few),
         ("pyramid 12, half, table", Speed { half: Some(8.0), table: true, ..pyramid }, few),
     ]

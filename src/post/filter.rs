@@ -74,14 +74,14 @@ enum Way {
     /// From a window.
     Window,
     /// From pixels around that have windows.
-    Between(Corners),
+    Between,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Plan {
     way: Way,
     /// Number of the lobe.
-    lobe: usize,
+    lobe: u32,
     /// Half the width and height of the window, in pixels.
     radius: [f32; 2],
     /// How often the picture is halved.
@@ -103,38 +103,34 @@ impl Plans {
         let window = grown(window, margin, g.window);
         let (lobes, numbers) = lobes(g, window, fuzzy);
         let places = |y: u32| (window.x0..window.x1).map(move |x| [x, y]);
-        let mut pixels: Vec<Plan> = (window.y0..window.y1)
+        let pixels: Vec<Plan> = (window.y0..window.y1)
             .into_par_iter()
             .flat_map_iter(places)
             .map(|at| plan(g, at, fuzzy, (&lobes, &numbers)))
             .collect();
+        let mut plans = Self { window, pixels, lobes };
         if let Some(least) = fuzzy.speed.half {
-            let width = window.width() as usize;
-            let of = |pixels: &[Plan], [x, y]: [u32; 2]| {
-                window
-                    .contains(x, y)
-                    .then(|| pixels[(y - window.y0) as usize * width + (x - window.x0) as usize])
+            let is_between = |at: [u32; 2]| {
+                let plan = plans.at(at);
+                let is_wide = plan.radius[0].min(plan.radius[1]) >= least;
+                plan.way == Way::Window && is_wide && !half::is_kept(at) && plans.corners(g, at).is_some()
             };
-            let ways: Vec<Way> = (window.y0..window.y1)
-                .into_par_iter()
-                .flat_map_iter(places)
-                .map(|at| {
-                    let plan = of(&pixels, at).unwrap_or_default();
-                    let is_wide = plan.radius[0].min(plan.radius[1]) >= least;
-                    let mirror = g.texel(at[0], at[1]).and_then(|texel| texel.mirror.as_ref());
-                    let Some(mirror) =
-                        mirror.filter(|_| plan.way == Way::Window && is_wide && !half::is_kept(at))
-                    else {
-                        return plan.way;
-                    };
-                    let radius =
-                        |at| of(&pixels, at).filter(|plan| plan.way == Way::Window).map(|plan| plan.radius);
-                    half::corners(g, at, (mirror, plan.radius), radius).map_or(plan.way, Way::Between)
-                })
-                .collect();
-            pixels.iter_mut().zip(ways).for_each(|(plan, way)| plan.way = way);
+            let between: Vec<bool> =
+                (window.y0..window.y1).into_par_iter().flat_map_iter(places).map(is_between).collect();
+            let chosen = plans.pixels.iter_mut().zip(between).filter(|(_, between)| *between);
+            chosen.for_each(|(plan, _)| plan.way = Way::Between);
         }
-        Self { window, pixels, lobes }
+        plans
+    }
+
+    /// The pixels with windows that a pixel may be interpolated from.
+    fn corners(&self, g: &GBuffer, at: [u32; 2]) -> Option<Corners> {
+        let mirror = g.texel(at[0], at[1])?.mirror.as_ref()?;
+        let radius = |[x, y]: [u32; 2]| {
+            let plan = self.window.contains(x, y).then(|| self.at([x, y]))?;
+            (plan.way == Way::Window).then_some(plan.radius)
+        };
+        half::corners(g, at, (mirror, self.at(at).radius), radius)
     }
 
     fn at(&self, [x, y]: [u32; 2]) -> &Plan {
@@ -161,7 +157,7 @@ impl Plans {
 }
 
 /// The lobes of a part of a picture, each once, and the number of each by the bits of its exponent.
-fn lobes(g: &GBuffer, window: Window, fuzzy: &Fuzzy) -> (Vec<Lobe>, BTreeMap<u32, usize>) {
+fn lobes(g: &GBuffer, window: Window, fuzzy: &Fuzzy) -> (Vec<Lobe>, BTreeMap<u32, u32>) {
     let (mut lobes, mut numbers, mut last) = (Vec::new(), BTreeMap::new(), None);
     for y in window.y0..window.y1 {
         for x in window.x0..window.x1 {
@@ -174,7 +170,7 @@ fn lobes(g: &GBuffer, window: Window, fuzzy: &Fuzzy) -> (Vec<Lobe>, BTreeMap<u32
                 let more = if fuzzy.correction == Correction::Cosine { 3.0 } else { 0.0 };
                 let lobe = Lobe::new(mirror.exponent + more, fuzzy.lost_mass, fuzzy.max_angle);
                 lobes.push(if fuzzy.speed.table { lobe.tabulated() } else { lobe });
-                lobes.len() - 1
+                u32::try_from(lobes.len() - 1).unwrap_or(0)
             });
         }
     }
@@ -185,11 +181,11 @@ fn plan(
     g: &GBuffer,
     [x, y]: [u32; 2],
     fuzzy: &Fuzzy,
-    (lobes, numbers): (&[Lobe], &BTreeMap<u32, usize>),
+    (lobes, numbers): (&[Lobe], &BTreeMap<u32, u32>),
 ) -> Plan {
     let Some(mirror) = g.texel(x, y).and_then(|texel| texel.mirror.as_ref()) else { return Plan::default() };
     let lobe = numbers.get(&mirror.exponent.to_bits()).copied().unwrap_or(0);
-    let radius = reach(g, [x, y], mirror, (&lobes[lobe], fuzzy));
+    let radius = reach(g, [x, y], mirror, (&lobes[lobe as usize], fuzzy));
     let [short, long] = [radius[0].min(radius[1]), radius[0].max(radius[1])];
     let has_way = mirror.direction().is_some() && long.is_finite();
     if !has_way || (fuzzy.speed.skip && long < SMALLEST) {
@@ -265,7 +261,7 @@ impl<S: Isa> Kernel<S> for Row<'_> {
             let plan = job.plans.at([x, y]);
             let Some(mirror) = job.g.texel(x, y).and_then(|texel| texel.mirror.as_ref()) else { continue };
             *out = match plan.way {
-                Way::None | Way::Between(_) => continue,
+                Way::None | Way::Between => continue,
                 Way::Sharp => mirror.radiance,
                 Way::Window => job.window(isa, [x, y], mirror, plan).mean().unwrap_or(mirror.radiance),
             };
@@ -284,7 +280,7 @@ impl Job<'_> {
             w: w.to_array(),
             n: mirror.normal.to_array(),
             id: mirror.reflector,
-            lobe: &self.plans.lobes[plan.lobe],
+            lobe: &self.plans.lobes[plan.lobe as usize],
             rejection: self.fuzzy.speed.rejection,
         };
         let texel = 0.5_f32.powi(plan.level.cast_signed());
@@ -335,13 +331,7 @@ impl Job<'_> {
         for y in window.y0..window.y1 {
             for x in window.x0..window.x1 {
                 let reflected = match self.plans.at([x, y]).way {
-                    Way::Between(corners) => {
-                        let mut sum = [0.0; 3];
-                        for (at, weight) in corners.into_iter().filter(|(_, weight)| *weight > 0.0) {
-                            sum.iter_mut().zip(of(at)).for_each(|(sum, light)| *sum += weight * light);
-                        }
-                        sum
-                    }
+                    Way::Between => self.between([x, y], of),
                     _ => of([x, y]),
                 };
                 filtered.reflected.push(reflected);
@@ -349,6 +339,16 @@ impl Job<'_> {
             }
         }
         filtered
+    }
+
+    /// Light between the pixels around that have windows, given theirs.
+    fn between(&self, at: [u32; 2], of: impl Fn([u32; 2]) -> Rgb3) -> Rgb3 {
+        let mut sum = [0.0; 3];
+        let corners = self.plans.corners(self.g, at).into_iter().flatten();
+        for (at, weight) in corners.filter(|(_, weight)| *weight > 0.0) {
+            sum.iter_mut().zip(of(at)).for_each(|(sum, light)| *sum += weight * light);
+        }
+        sum
     }
 
     /// All light of a pixel whose reflector is lit like this.

@@ -23,6 +23,8 @@ pub struct Lobe {
     pub exponent: f32,
     /// 1 - cos Q of the half angle Q of the cone.
     pub t_max: f32,
+    /// The half angle Q, in radians.
+    angle: f32,
     /// cos^p at equal steps of t from 0 to `t_max`, and one entry more; empty if it is to be computed.
     pub(super) table: Vec<f32>,
 }
@@ -37,7 +39,8 @@ impl Lobe {
         let cap = 2.0 * (f64::from(max_angle) * 0.5).sin().powi(2);
         // A right angle has no weight, and beyond it there is no lobe.
         let t_max = t.min(cap).min(1.0 - 1e-6) as f32;
-        Self { exponent, t_max, table: Vec::new() }
+        let angle = 2.0 * (0.5 * t_max).sqrt().asin();
+        Self { exponent, t_max, angle, table: Vec::new() }
     }
 
     /// The same with a table of its weights, from which they are interpolated: off by (p dt)^2 / 8 at most, dt being 1/512 of the range.
@@ -57,7 +60,7 @@ impl Lobe {
     /// Half angle of the cone in radians.
     #[must_use]
     pub fn angle(&self) -> f32 {
-        2.0 * (0.5 * self.t_max).sqrt().asin()
+        self.angle
     }
 
     /// Entries of the table for a unit of t.

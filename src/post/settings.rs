@@ -120,6 +120,6 @@ impl Speed {
 
 impl Default for Speed {
     fn default() -> Self {
-        Self { pyramid: Some(12.0), ..Self::PLAIN }
+        Self { pyramid: Some(8.0), ..Self::PLAIN }
     }
 }

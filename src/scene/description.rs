@@ -449,7 +449,7 @@ record! {
         taps: Knob<u32> = Knob::Off, min(1.0), max(1_048_576.0);
         /// Windows of at least twice this radius are looked at in a smaller picture, where their radius is from this to twice as much; or
         /// `off`.
-        pyramid: Knob<f32> = Knob::At(12.0), unit("pixels"), min(2.0), max(8192.0);
+        pyramid: Knob<f32> = Knob::At(8.0), unit("pixels"), min(2.0), max(8192.0);
         /// From this radius on every other row and column is filtered and the rest interpolated; or `off`.
         half: Knob<f32> = Knob::Off, unit("pixels"), min(0.0), max(8192.0);
     }

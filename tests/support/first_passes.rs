@@ -54,8 +54,8 @@ pub(crate) fn parallel(
 /// on for ever, that end near and far, normals that jump, exponents from 0 to 1e6. Reflector 1 mirrors `light`.0, reflector 2 `light`.1.
 pub(crate) fn odd(size: [u32; 2], light: (f32, f32)) -> GBuffer {
     let mut g = facing((size, 60.0), (1.0, 2.0), 50.0, |_| [0.0; 3]);
-    for (i, texel) in g.texels.iter_mut().enumerate() {
-        let (x, y) = (i as u32 % size[0], i as u32 / size[0]);
+    for (i, texel) in (0_u32..).zip(&mut g.texels) {
+        let (x, y) = (i % size[0], i / size[0]);
         let Some(mirror) = &mut texel.mirror else { continue };
         mirror.reflector = if x + y / 3 < size[0] / 2 { 1 } else { 2 };
         mirror.radiance = [if mirror.reflector == 1 { light.0 } else { light.1 }; 3];
