@@ -136,7 +136,9 @@ fn edge(render: &str, exponent: f32, (edge, pitch, size): (f64, f64, u32)) -> St
 
 /// Pixels from the middle one to the edge of a row of the table, and how many of them, an odd number, hold the lobe.
 fn grid(p: f32, x0: f64) -> (f64, u32) {
-    let pitch = x0 / (if x0 > 0.15 { 40.5 } else { 10.5 });
+    // Sixty pixels for the width of the lobe, and the edge between two of them.
+    let sigma = 1.0 / (f64::from(p) + 1.0).sqrt();
+    let pitch = x0 / ((60.0 * x0 / sigma).floor() + 0.5);
     let reach = if p < 50.0 { 1.7 } else { 0.6 };
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred")]
     let half = ((reach + x0) / pitch) as u32 + 2;
@@ -160,7 +162,7 @@ fn the_filter_is_the_lobe_of_three_less() {
             let fuzzy = Fuzzy { correction, radius: Radius::Differential, ..WHOLE };
             let found = filter(&first[0], window, &fuzzy, (Level::best(), 0)).reflected[0][0];
             println!("p {p} x0 {x0} {correction:?}: {found:.6}, wanted {wanted:.6}");
-            // Of the table's digits the last is lost: to pixels 1/20 to 1/50 of the lobe wide, which are off by the square of that where
+            // Of the table's digits the last is lost: to pixels, which are off by the square of their part of the lobe where
             // the edge is between them.
             assert!(
                 (f64::from(found) - wanted).abs() < 1e-5,

@@ -1,6 +1,6 @@
 //! The two-pass filter: what a megapixel costs, and what it gets for it beside rays within lobes and trembling normals.
 //!
-//! `cargo bench --bench fuzzy -- speed` prints CPU seconds for a megapixel by radius and by what is done to be quick, with the error that
+//! `cargo bench --bench fuzzy -- speed [radius]` prints CPU seconds for a megapixel by radius and by what is done to be quick, with the error that
 //! each adds; `-- scenes [part of a name]` prints errors and times of the contenders in each scene and draws them in `record/fuzzy.svg`.
 //! References, of 4096 rays a pixel, are kept in `target/fuzzy`.
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut names = words.iter().filter(|word| !word.starts_with("--"));
     let (what, part) = (names.next().map(String::as_str), names.next().map_or("", String::as_str));
     if what.is_none_or(|what| what == "speed") {
-        speed::table(is_bench);
+        speed::table(is_bench, part);
     }
     if what.is_none_or(|what| what == "scenes") {
         scenes::tables(is_bench, part)?;

@@ -39,13 +39,16 @@ fn contestants() -> Vec<Contestant> {
     ]
 }
 
-/// Prints the table.
-pub(crate) fn table(is_bench: bool) {
+/// Prints the table, or what of it is of one radius.
+pub(crate) fn table(is_bench: bool, only: &str) {
     let size = if is_bench { 1024 } else { 64 };
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     println!("radius px | way | CPU s per megapixel | added relMSE\n---|---|---|---");
     one.install(|| {
         for radius in if is_bench { &[4.0, 16.0, 64.0, 160.0][..] } else { &[4.0] } {
+            if !only.is_empty() && only.parse() != Ok(*radius) {
+                continue;
+            }
             let g = picture(size, *radius);
             for (name, time, error) in measured(&g, *radius) {
                 println!("{radius} | {name} | {time:.3} | {error:.2e}");
