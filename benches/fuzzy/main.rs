@@ -1,8 +1,8 @@
 //! The two-pass filter: what a megapixel costs, and what it gets for it beside rays within lobes and trembling normals.
 //!
 //! `cargo bench --bench fuzzy -- speed [radius]` prints CPU seconds for a megapixel by radius and by what is done to be quick, with the error that
-//! each adds; `-- scenes [part of a name]` prints errors and times of the contenders in each scene and draws them in `record/fuzzy.svg`.
-//! References, of 4096 rays a pixel, are kept in `target/fuzzy`.
+//! each adds; `-- scenes [part of a name [rays]]` prints errors and times of the contenders in each scene and draws them in `record/fuzzy.svg`.
+//! References, of 4096 rays a pixel if nothing else is said, are kept in `target/fuzzy`.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
@@ -30,7 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         speed::table(is_bench, part);
     }
     if what.is_none_or(|what| what == "scenes") {
-        scenes::tables(is_bench, part)?;
+        let rays = names.next().and_then(|word| word.parse().ok()).unwrap_or(scenes::REFERENCE);
+        scenes::tables(if is_bench { Some(rays) } else { None }, part)?;
     }
     Ok(())
 }

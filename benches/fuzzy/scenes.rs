@@ -16,7 +16,7 @@ use std::path::Path;
 const SIZE: [u32; 2] = [192, 120];
 
 /// Rays of a pixel of the reference.
-const REFERENCE: u32 = 4096;
+pub(crate) const REFERENCE: u32 = 4096;
 
 const SCENES: [&str; 5] = ["fuzzy_plane", "fuzzy_curved", "fuzzy_contact", "fuzzy_silhouettes", "fuzzy_100"];
 
@@ -48,11 +48,12 @@ struct Shot {
     errors: [f64; 4],
 }
 
-/// Prints the tables and draws the plot.
-pub(crate) fn tables(is_bench: bool, part: &str) -> std::result::Result<(), Box<dyn Error>> {
+/// Prints the tables and draws the plot, against references of so many rays; without a number it only shows that it runs.
+pub(crate) fn tables(rays: Option<u32>, part: &str) -> std::result::Result<(), Box<dyn Error>> {
+    let is_bench = rays.is_some();
     let mut panels = Vec::new();
     for name in SCENES.into_iter().filter(|name| name.contains(part)) {
-        let reference = reference(name, is_bench)?;
+        let reference = reference(name, rays.unwrap_or(4))?;
         let first = rendered(name, (&["render.glossy=two-pass"], 4), 0, true)?.first_pass;
         let classes = classes(&first);
         let count = |class| classes.iter().filter(|other| **other == class).count();
@@ -139,8 +140,7 @@ fn line(points: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-fn reference(name: &str, is_bench: bool) -> Result<Image> {
-    let spp = if is_bench { REFERENCE } else { 4 };
+fn reference(name: &str, spp: u32) -> Result<Image> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/fuzzy");
     let file = folder.join(format!("{name}_{}_{spp}.exr", SIZE[0]));
     if file.exists() {
