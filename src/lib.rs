@@ -44,6 +44,7 @@ pub mod light;
 pub mod material;
 pub mod math;
 pub mod measure;
+pub mod post;
 pub mod render;
 pub mod sampling;
 pub mod scene;

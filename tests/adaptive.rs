@@ -42,7 +42,7 @@ fn above(noisy: &Noisy) -> usize {
     let (mut ratios, mut told, mut spp) = (Vec::new(), 0.0, 0.0);
     for seed in 0..RUNS {
         let text = noisy.text(SIZE, &format!("seed = {seed}"));
-        let Rendered { film, statistics } = rendered(&text, until(noisy.target), 0);
+        let Rendered { film, statistics, .. } = rendered(&text, until(noisy.target), 0);
         assert_eq!(statistics.ended, Ended::Error, "{}", noisy.name);
         let estimate = statistics.estimate.expect("an estimate");
         assert!(estimate.error <= estimate.bound && estimate.bound <= noisy.target, "{estimate:?}");

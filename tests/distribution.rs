@@ -20,7 +20,7 @@ use support::scene_of;
 
 /// The tree that stops at direct light, and at what one glossy ray meets.
 const fn tree(splitting: Splitting) -> Whitted {
-    Whitted { max_depth: 2, min_throughput: 0.0, splitting }
+    Whitted { max_depth: 2, min_throughput: 0.0, splitting, polished: false }
 }
 
 const fn split(lights: u32, glossy: u32) -> Splitting {
@@ -216,7 +216,7 @@ const FUZZY: &str = r#"
 fn splitting_changes_the_noise_and_nothing_else() {
     let scene = scene_of(FUZZY);
     let ray = Ray::new(Vec3::new(0.0, 1.5, 2.0), Vec3::new(0.0, -1.5, -2.0).normalize());
-    let tree = |splitting| Whitted { max_depth: 4, min_throughput: 0.0, splitting };
+    let tree = |splitting| Whitted { max_depth: 4, min_throughput: 0.0, splitting, polished: false };
     let found = |splitting, size| measure(&scene, tree(splitting), ray, SamplerKind::Independent, size);
     let single = found(Splitting::NONE, [200_000, 1]);
     assert!(single.error < 3e-3 * single.mean, "too noisy to tell, {single:?}");

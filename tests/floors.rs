@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lowest first.
-const FLOORS: [&str; 18] = [
+const FLOORS: [&str; 19] = [
     "math",
     "error",
     "image",
@@ -20,6 +20,7 @@ const FLOORS: [&str; 18] = [
     "film",
     "scene",
     "integrator",
+    "post",
     "render",
     "measure",
     "bench",

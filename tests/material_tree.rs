@@ -19,7 +19,8 @@ use support::scene_of;
 fn mean(scene: &Scene, ray: Ray, count: u32) -> (f64, f64) {
     let accel = Brute::new(scene.world.clone());
     let stage = Stage::new(scene, &accel, scene.render.spp());
-    let whitted = Whitted { max_depth: 64, min_throughput: 1e-4, splitting: Splitting::NONE };
+    let whitted =
+        Whitted { max_depth: 64, min_throughput: 1e-4, splitting: Splitting::NONE, polished: false };
     let mut worker = Worker::default();
     let found: Vec<f64> = (0..count)
         .map(|index| {

@@ -23,7 +23,7 @@ fn trace(scene: &Scene, whitted: Whitted, ray: Ray, index: u32) -> (Radiance, Co
 }
 
 const fn whitted(max_depth: u32, min_throughput: f32) -> Whitted {
-    Whitted { max_depth, min_throughput, splitting: Splitting::NONE }
+    Whitted { max_depth, min_throughput, splitting: Splitting::NONE, polished: false }
 }
 
 /// A ray that meets the unit sphere at the origin at `theta` degrees from the normal.

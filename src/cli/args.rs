@@ -10,7 +10,10 @@ use clap_complete::Shell;
 use crate::bench::{self, Class};
 use crate::film::Aov;
 use crate::measure::Metric;
-use crate::scene::description::{Backend, Fresnel, Integrator, LightChoice, Query, Sampler, View};
+use crate::scene::description::{
+    Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyWeighting, FuzzyWindow, Integrator,
+    LightChoice, Query, Sampler, View,
+};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -30,6 +33,8 @@ pub enum Command {
     Plan(Box<PlanArgs>),
     /// Measure how far a picture is from its reference
     Diff(Box<DiffArgs>),
+    /// Make fuzzy reflections again from a saved first pass, with another roughness and no ray
+    Fuzzy(Box<FuzzyArgs>),
     /// Compare backends: the same rays of scenes through each, in every kind of query
     Bench(Box<BenchArgs>),
     /// Print the JSON Schema of the scene file
@@ -97,6 +102,10 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(Fresnel::ALL, Fresnel::word))]
     pub fresnel: Option<String>,
 
+    /// How lobes become fuzzy reflections: by rays, by a filter over ideal mirrors, or by trembling normals
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyBy::ALL, FuzzyBy::word))]
+    pub glossy: Option<String>,
+
     /// Columns of the picture
     #[arg(long, value_name = "W", allow_negative_numbers = true)]
     pub width: Option<String>,
@@ -133,7 +142,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
 
-    /// Further outputs of the EXR file; `cryptomatte` stands for both of its kinds
+    /// Further outputs of the EXR file; `cryptomatte` stands for both of its kinds, and `gbuffer`, with `--glossy two-pass`, for what
+    /// `specula fuzzy` reads
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
     pub aov: Vec<String>,
 
@@ -232,6 +242,86 @@ pub struct DiffArgs {
     /// Print one JSON document instead of a table
     #[arg(long)]
     pub json: bool,
+
+    /// Threads to use; as many as there are processors if not given
+    #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+
+    /// What is told on standard error.
+    #[command(flatten)]
+    pub log: LogArgs,
+}
+
+/// What to filter again, and how.
+#[derive(Clone, Debug, clap::Args)]
+pub struct FuzzyArgs {
+    /// The first pass: an .exr file written by `specula render --glossy two-pass --aov gbuffer`
+    ///
+    /// Of a crop only what is in it can be mirrored. Knobs that are not given are those that the picture was rendered with.
+    #[arg(value_name = "GBUFFER", value_hint = ValueHint::FilePath)]
+    pub gbuffer: PathBuf,
+
+    /// Write the picture to FILE; .exr is scene-linear, .png a preview. May be given several times
+    ///
+    /// Without it, the picture is written to the current directory under the name of the file with _fuzzy added, as .exr and as .png.
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub output: Vec<PathBuf>,
+
+    /// The roughness of all reflectors, from 0, a mirror, to 1: all but a hundredth of the lobe within 10 degrees
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub roughness: Option<String>,
+
+    /// The exponent, or the shininess, of all reflectors; larger is sharper
+    #[arg(long, value_name = "P", allow_negative_numbers = true, conflicts_with = "roughness")]
+    pub exponent: Option<String>,
+
+    /// What weights follow from: the exponent of a lobe, or shininess and strength
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyWeighting::ALL, FuzzyWeighting::word))]
+    pub weighting: Option<String>,
+
+    /// Under the weighting `shininess`: what reflections are multiplied by
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub strength: Option<String>,
+
+    /// The part of a lobe that may lie outside of its window
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    pub lost_mass: Option<String>,
+
+    /// The greatest half angle of a lobe in degrees
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub max_angle: Option<String>,
+
+    /// The greatest radius of a window in pixels
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub max_radius: Option<String>,
+
+    /// What the radius of a window follows from
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyRadius::ALL, FuzzyRadius::word))]
+    pub radius: Option<String>,
+
+    /// The outline of a window
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyWindow::ALL, FuzzyWindow::word))]
+    pub window: Option<String>,
+
+    /// What is made of pixels being samples of area and not of solid angle
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyCorrection::ALL, FuzzyCorrection::word))]
+    pub correction: Option<String>,
+
+    /// Look weights up in a table: true or false
+    #[arg(long, value_name = "BOOL")]
+    pub table: Option<String>,
+
+    /// How many pixels of a window count at most, or `off`
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub taps: Option<String>,
+
+    /// Look at windows of at least twice this radius in a smaller picture, or `off`
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub pyramid: Option<String>,
+
+    /// From this radius on filter every other row and column, or `off`
+    #[arg(long, value_name = "PX", allow_negative_numbers = true)]
+    pub half: Option<String>,
 
     /// Threads to use; as many as there are processors if not given
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
@@ -369,9 +459,12 @@ pub enum LogLevel {
 /// All outputs that are mattes.
 pub(super) const CRYPTOMATTE: &str = "cryptomatte";
 
+/// The output that is no mean of samples: what fuzzy reflections are filtered from.
+pub(super) const FIRST_PASS: &str = "gbuffer";
+
 /// What `--aov` knows.
 pub(super) fn further_outputs() -> Vec<&'static str> {
-    Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect()
+    Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE, FIRST_PASS]).collect()
 }
 
 /// Any string; the words that make sense are shown in help and completed by shells. Wrong ones are left to the check of

@@ -9,6 +9,7 @@ mod bench;
 mod diff;
 mod documents;
 mod frozen;
+mod fuzzy;
 mod interrupt;
 mod log;
 mod options;
@@ -26,8 +27,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs,
-    RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
+    PlanArgs, RenderArgs,
 };
 
 use crate::error::{Error, Result};
@@ -47,6 +48,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Diff(args) => diff::run(&args),
+        Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),

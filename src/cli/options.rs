@@ -1,14 +1,16 @@
 //! The command line as meant: checked, with defaults resolved.
 
 mod bench;
+mod fuzzy;
 
 pub(super) use bench::BenchOptions;
+pub(super) use fuzzy::FuzzyOptions;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::args::{CRYPTOMATTE, DiffArgs, RenderArgs, further_outputs};
+use super::args::{CRYPTOMATTE, DiffArgs, FIRST_PASS, RenderArgs, further_outputs};
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
@@ -29,6 +31,8 @@ pub(super) struct RenderOptions {
     pub(super) overrides: Vec<String>,
     pub(super) crop: Option<Window>,
     pub(super) layout: Layout,
+    /// Whether what fuzzy reflections are filtered from is written, too.
+    pub(super) first_pass: bool,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
     pub(super) precision: Precision,
@@ -61,6 +65,7 @@ impl RenderOptions {
             overrides: overrides(args),
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             layout: layout(&args.aov, &mut problems),
+            first_pass: args.aov.iter().any(|name| name == FIRST_PASS),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
                 time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
@@ -170,6 +175,7 @@ pub(super) fn overrides(args: &RenderArgs) -> Vec<String> {
         ("render.query", args.query.as_ref()),
         ("render.sampler", args.sampler.as_ref()),
         ("render.fresnel", args.fresnel.as_ref()),
+        ("render.glossy", args.glossy.as_ref()),
         ("film.width", args.width.as_ref()),
         ("film.height", args.height.as_ref()),
         ("render.max_depth", args.max_depth.as_ref()),

@@ -16,6 +16,7 @@ use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
+use crate::post;
 use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
@@ -55,6 +56,7 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
         threads: options.threads,
         crop: options.crop,
         layout: options.layout.clone(),
+        first_pass: options.first_pass,
         limits: Limits {
             time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
             ..options.limits
@@ -115,7 +117,13 @@ fn write(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, load: Ph
         match format {
             Format::Exr => {
                 let attributes = statistics::attributes(frozen, rendered, load);
-                log::warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
+                let mut picture = rendered.film.picture(options.precision, attributes);
+                if options.first_pass {
+                    let (channels, attributes) = post::layers(&rendered.first_pass);
+                    picture.channels.extend(channels);
+                    picture.attributes.extend(attributes);
+                }
+                log::warn(&exr::write(path, picture)?);
             }
             Format::Png => png::write(path, &rendered.film.image(), development(&frozen.scene))?,
         }

@@ -11,7 +11,7 @@ use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::ChosenLights;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
-use crate::scene::description::{Integrator, Knob};
+use crate::scene::description::{FuzzyBy, Integrator, Knob};
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -63,6 +63,15 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         entries.push(("light_choice", lights.choice.word().to_owned()));
     }
     entries.push(("query", render::query(scene).query.word().to_owned()));
+    if settings.glossy != FuzzyBy::Lobe {
+        entries.push(("glossy", settings.glossy.word().to_owned()));
+    }
+    if settings.glossy == FuzzyBy::TwoPass {
+        entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
+        entries.push(("exposure_ev", scene.film.exposure_ev.to_string()));
+        entries.push(("tone", scene.film.tone.word().to_owned()));
+        entries.push(("cpu_filter_s", seconds(statistics.filter.cpu).to_string()));
+    }
     if settings.clamp_indirect != Knob::Off {
         entries.push(("clamped_part", statistics.counters.clamped_part().to_string()));
     }
@@ -121,6 +130,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
             "load": phase(times.load),
             "build": phase(statistics.build),
             "render": phase(statistics.render),
+            "filter": phase(statistics.filter),
             "write": phase(times.write),
         },
         "samples": statistics.samples,
@@ -245,6 +255,7 @@ mod tests {
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
             layout: crate::film::Layout::default(),
+            first_pass: false,
             crop: None,
             threads: None,
             limits: render::Limits::default(),

@@ -2,7 +2,7 @@
 //! rays.
 
 use crate::accel::Accel;
-use crate::bsdf::{Lobes, Mix};
+use crate::bsdf::{Bsdf, Lobes, Mix, Part};
 use crate::geometry::{Interaction, Ray};
 use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
@@ -22,14 +22,14 @@ pub(super) struct Receiver<'a> {
     pub(super) media: [Option<MaterialId>; 2],
     /// How many rays are sent from here.
     pub(super) counts: Counts,
+    /// Whether glossy lobes are followed as mirrors, which find lights with a size alone.
+    pub(super) polished: bool,
 }
 
-impl Receiver<'_> {
-    /// Where lights are asked from: the viewer's side of the surface, or what lies `below` it.
-    pub(super) fn reference(&self, below: bool) -> Reference<f32> {
-        let n = self.shading.frame.z;
-        Reference { p: self.it.p.into(), n: if below { -n } else { n } }
-    }
+/// Where lights are asked from: the viewer's side of the surface, or what lies `below` it.
+pub(super) fn reference((it, shading): (&Interaction, Shading<f32>), below: bool) -> Reference<f32> {
+    let n = shading.frame.z;
+    Reference { p: it.p.into(), n: if below { -n } else { n } }
 }
 
 /// Radiance towards the viewer of light that comes straight from lights, scattered by diffuse and glossy lobes.
@@ -83,7 +83,7 @@ fn from_light<A: Accel>(
     worker: &mut Worker,
 ) -> Rgb<f32> {
     let counters = &mut worker.counters;
-    let sample = light.sample(receiver.reference(below), u2);
+    let sample = light.sample(reference((receiver.it, receiver.shading), below), u2);
     let (diffuse, glossy) = scattered(receiver, light, &sample, below);
     if (diffuse + glossy).is_black() {
         return Rgb::BLACK;
@@ -110,7 +110,7 @@ fn scattered(
     sample: &LightSample<f32>,
     below: bool,
 ) -> (Rgb<f32>, Rgb<f32>) {
-    let Receiver { shading, mix, counts, .. } = receiver;
+    let Receiver { shading, mix, counts, polished, .. } = receiver;
     let wi = shading.frame.to_local(sample.wi);
     let cos = if below { -wi.z } else { wi.z };
     if !sample.valid || cos <= 0.0 || sample.li.is_black() {
@@ -119,7 +119,10 @@ fn scattered(
     let arriving = sample.li * (cos / sample.pdf);
     let mut glossy = Rgb::BLACK;
     let left_out = is_left_to_rays(light) && counts.glossy > 0;
-    for part in mix.parts().filter(|part| !left_out && part.bsdf.lobes().intersects(Lobes::GLOSSY)) {
+    let mirrored = |bsdf: &Bsdf<f32>| *polished && !light.is_delta() && bsdf.is_fuzzy_mirror();
+    let is_asked =
+        |part: &&Part<f32>| !left_out && part.bsdf.lobes().intersects(Lobes::GLOSSY) && !mirrored(&part.bsdf);
+    for part in mix.parts().filter(is_asked) {
         let share = if light.is_delta() {
             1.0
         } else {

@@ -18,7 +18,7 @@
 //! ```
 
 use crate::accel::Accel;
-use crate::bsdf::{Branch, BsdfSample, Part};
+use crate::bsdf::{Branch, BsdfSample, Mix, Part, mirrored};
 use crate::geometry::{Hit, Interaction, Ray};
 use crate::integrator::cone::Cone;
 use crate::integrator::direct::{self, Receiver};
@@ -43,18 +43,21 @@ pub struct Whitted {
     pub min_throughput: f32,
     /// Where several rays are sent instead of one.
     pub splitting: Splitting,
+    /// Whether glossy lobes that are round about the mirrored ray are followed as if they were mirrors, and lights with a size not asked for
+    /// them: the mirrors see these.
+    pub polished: bool,
 }
 
 /// A branch to be followed.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node {
-    ray: Ray,
+    pub(super) ray: Ray,
     /// What the ray hits, where that has been found already.
-    found: Option<Option<Hit>>,
+    pub(super) found: Option<Option<Hit>>,
     /// Where the ray truly starts: its origin is moved off the surface.
     start: Vec3,
     /// What radiance along the ray is multiplied by on its way to the camera.
-    beta: Rgb<f32>,
+    pub(super) beta: Rgb<f32>,
     /// The part of `beta` that is a change of medium or a share of a split, not a loss.
     radiance_scale: f32,
     /// Edges of the path, this one included.
@@ -147,48 +150,73 @@ impl Integrator for Whitted {
         worker.counters.camera += 1;
         let mut result = Radiance::NOTHING;
         worker.pending.push(Node::of_camera(stage, camera));
-        while let Some(node) = worker.pending.pop() {
-            let vertex = node.vertex;
-            let hit = self.follow(stage, node, sampler, worker, &mut result);
-            if vertex == Vertex::ROOT && hit {
-                result.alpha = 1.0;
-            }
-        }
+        self.finish(stage, sampler, worker, &mut result);
         result
     }
 }
 
+/// A surface that scatters, as a branch met it.
+pub(super) struct Met {
+    pub(super) it: Interaction,
+    pub(super) shading: Shading<f32>,
+    pub(super) mix: Mix<f32>,
+    eta: f32,
+    beyond: Media,
+    counts: Counts,
+    /// Of the ray that came.
+    length: f32,
+}
+
 impl Whitted {
-    /// Adds what one branch brings and pushes those that go on from it. Whether it hit a surface.
-    fn follow<A: Accel, S: Sampler<I = u32>>(
+    /// Follows all branches that are pending, and those that go on from them.
+    pub(super) fn finish<A: Accel, S: Sampler<I = u32>>(
         &self,
         stage: &Stage<'_, A>,
-        mut node: Node,
         sampler: &S,
         worker: &mut Worker,
         sum: &mut Radiance,
-    ) -> bool {
+    ) {
+        while let Some(mut node) = worker.pending.pop() {
+            let Some(met) = self.meet(stage, &mut node, sampler, worker, sum) else { continue };
+            for (index, part) in (0..).zip(met.mix.parts()) {
+                self.push(&met.at(stage, &node), (index, part), sampler, worker);
+            }
+        }
+    }
+
+    /// Adds what one branch brings; the surface that it met, if branches may go on from there.
+    pub(super) fn meet<A: Accel, S: Sampler<I = u32>>(
+        &self,
+        stage: &Stage<'_, A>,
+        node: &mut Node,
+        sampler: &S,
+        worker: &mut Worker,
+        sum: &mut Radiance,
+    ) -> Option<Met> {
         let scene = stage.scene;
-        let Some(arrival) = arrive(stage, &mut node, worker) else {
-            sum.add(node.beta * environment(stage, &node), node.depth);
-            return false;
+        let Some(arrival) = arrive(stage, node, worker) else {
+            sum.add(node.beta * environment(stage, node), node.depth);
+            return None;
         };
+        if node.vertex == Vertex::ROOT {
+            sum.alpha = 1.0;
+        }
         let Arrival { mut it, eta, beyond } = arrival;
         let (_, material) = scene.material(&it);
         let length = it.p.distance(node.start);
         let spot = node.spot(stage, &it);
         let emitted = material.emitted(it.is_front(), spot);
         if emitted != Rgb::BLACK {
-            sum.add(node.beta * emitted.scale(share_of_emission(stage, &node, &it)), node.depth);
+            sum.add(node.beta * emitted.scale(share_of_emission(stage, node, &it)), node.depth);
         }
         if let Some(ns) = relief::normal(scene, &it, material, spot) {
             it.ns = ns;
         }
-        let Some(mix) = material.bsdf(spot, eta) else { return true };
+        let mix = material.bsdf(spot, eta)?;
         let shading = Shading::at(&it, tangent(scene, &it, material));
         let media = [node.media.current(), beyond.current()];
         let counts = self.splitting.at(node.depth);
-        let receiver = Receiver { it: &it, shading, mix: &mix, media, counts };
+        let receiver = Receiver { it: &it, shading, mix: &mix, media, counts, polished: self.polished };
         if node.depth < self.max_depth {
             if let Some(deferred) = &mut worker.deferred {
                 deferred.edges(node.depth + 1);
@@ -196,12 +224,25 @@ impl Whitted {
             let light = direct::light(stage, &receiver, (sampler, node.vertex), node.beta, worker);
             sum.add(node.beta * light, node.depth + 1);
         }
-        let at = At { stage, node: &node, it: &it, shading, eta, beyond, length };
-        for (index, part) in (0..).zip(mix.parts()) {
-            self.push_specular(&at, part, index, worker);
-            self.push_glossy(&at, &receiver, (index, part), sampler, worker);
+        Some(Met { it, shading, mix, eta, beyond, counts, length })
+    }
+
+    /// Pushes the branches that go on from a part of a surface.
+    pub(super) fn push<A: Accel, S: Sampler<I = u32>>(
+        &self,
+        at: &At<'_, A>,
+        (index, part): (u32, &Part<f32>),
+        sampler: &S,
+        worker: &mut Worker,
+    ) {
+        self.push_specular(at, part, index, worker);
+        if !(self.polished && part.bsdf.is_fuzzy_mirror()) {
+            self.push_glossy(at, (index, part), sampler, worker);
+        } else if let Some(child) = at.mirror_child((index, part), &mut worker.counters)
+            && self.pend(child, worker)
+        {
+            worker.counters.reflected += 1;
         }
-        true
     }
 
     /// The lighter branch is pushed last and followed first, so that few are pending.
@@ -230,7 +271,7 @@ impl Whitted {
                 drawn: None,
                 cone: at.cone(0.0),
             };
-            if self.push(child, worker) {
+            if self.pend(child, worker) {
                 let kind = if branch.transmission {
                     &mut worker.counters.refracted
                 } else {
@@ -244,24 +285,22 @@ impl Whitted {
     fn push_glossy<A: Accel, S: Sampler<I = u32>>(
         &self,
         at: &At<'_, A>,
-        receiver: &Receiver<'_>,
         (index, part): (u32, &Part<f32>),
         sampler: &S,
         worker: &mut Worker,
     ) {
         // Each part has numbers of its own; those of the first do not depend on there being others.
         let vertex = if index == 0 { at.node.vertex } else { at.child(NUMBERS, index) };
-        let count = receiver.counts.glossy;
+        let count = at.counts.glossy;
         for j in 0..count {
             let u2 = sampler.get_2d_split(Dim::LobeDirection, vertex, j, count);
             let samples = part.bsdf.sample_glossy(at.shading.wo, u2);
             for (way, sample) in [GLOSSY, GLOSSY_THROUGH].into_iter().zip(samples) {
-                let Some(child) =
-                    at.glossy_child(receiver, (index, part), (way, j), sample, &mut worker.counters)
+                let Some(child) = at.glossy_child((index, part), (way, j), sample, &mut worker.counters)
                 else {
                     continue;
                 };
-                if self.push(child, worker) {
+                if self.pend(child, worker) {
                     worker.counters.glossy += 1;
                 }
             }
@@ -269,7 +308,7 @@ impl Whitted {
     }
 
     /// Whether the branch is followed; if not, why is counted.
-    fn push(&self, child: Node, worker: &mut Worker) -> bool {
+    pub(super) fn pend(&self, child: Node, worker: &mut Worker) -> bool {
         if child.depth > self.max_depth {
             worker.counters.cut_by_depth += 1;
             return false;
@@ -289,8 +328,16 @@ fn nth(vertex: Vertex, j: u32, count: u32) -> Vertex {
     if count == 1 { vertex } else { vertex.child(j) }
 }
 
+impl Met {
+    /// Where branches leave from.
+    pub(super) fn at<'a, A: Accel>(&'a self, stage: &'a Stage<'a, A>, node: &'a Node) -> At<'a, A> {
+        let &Self { ref it, shading, eta, beyond, counts, length, .. } = self;
+        At { stage, node, it, shading, eta, beyond, counts, length }
+    }
+}
+
 /// Where branches leave from.
-struct At<'a, A> {
+pub(super) struct At<'a, A> {
     stage: &'a Stage<'a, A>,
     node: &'a Node,
     it: &'a Interaction,
@@ -299,6 +346,8 @@ struct At<'a, A> {
     eta: f32,
     /// The media behind the surface.
     beyond: Media,
+    /// How many rays are sent from here.
+    counts: Counts,
     /// Of the ray that came.
     length: f32,
 }
@@ -314,10 +363,33 @@ impl<A: Accel> At<'_, A> {
         self.stage.beam.map_or(Cone::NONE, |beam| beam.scattered(self.node.cone, self.length, pdf))
     }
 
+    /// The branch that the glossy reflection of a part would be if it were a mirror; `None` where there is no such lobe.
+    pub(super) fn mirror_child(
+        &self,
+        (index, part): (u32, &Part<f32>),
+        counters: &mut Counters,
+    ) -> Option<Node> {
+        let wo = self.shading.wo;
+        let weight = part.bsdf.lobe_of_mirror(wo)?.weight;
+        let d: Vec3 = self.shading.to_world(mirrored(wo)).into();
+        let ray = self.shading.spawn(self.stage, self.it, (d, false), counters)?;
+        Some(Node {
+            ray,
+            found: None,
+            start: self.it.p,
+            beta: self.node.beta * part.weight * weight,
+            radiance_scale: self.node.radiance_scale,
+            depth: self.node.depth + 1,
+            vertex: self.child(index, GLOSSY),
+            media: self.node.media,
+            drawn: None,
+            cone: self.cone(0.0),
+        })
+    }
+
     /// The branch along sample `j` of a part's glossy lobe, on either side; `None` where there is no way on.
     fn glossy_child(
         &self,
-        receiver: &Receiver<'_>,
         (index, part): (u32, &Part<f32>),
         (way, j): (u32, u32),
         sample: Option<BsdfSample<f32>>,
@@ -329,7 +401,7 @@ impl<A: Accel> At<'_, A> {
         let ray = self.shading.spawn(self.stage, self.it, (d, through), counters)?;
         // Already in the weight: radiance grows with the square of the index.
         let grown = if through { (self.eta * self.eta).recip() } else { 1.0 };
-        let counts = receiver.counts;
+        let counts = self.counts;
         let share = counts.glossy_factor().max(1.0).recip();
         Some(Node {
             ray,
@@ -340,7 +412,7 @@ impl<A: Accel> At<'_, A> {
             depth: self.node.depth + 1,
             vertex: nth(self.child(index, way), j, counts.glossy),
             media: if through { self.beyond } else { self.node.media },
-            drawn: Some(Drawn { from: receiver.reference(through), pdf, counts }),
+            drawn: Some(Drawn { from: direct::reference((self.it, self.shading), through), pdf, counts }),
             cone: self.cone(pdf),
         })
     }

@@ -11,6 +11,7 @@ use crate::math::lanes::{Level, Scalar};
 use crate::render::query::{level, query};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
+use crate::render::two_pass;
 use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
@@ -67,6 +68,7 @@ pub fn render_on<A: Accel>(
 }
 
 fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -> Result<Plan<'a>> {
+    two_pass::check(scene, settings)?;
     let seed = scene.render.seed;
     let most = most(scene, settings);
     Ok(Plan {
@@ -82,6 +84,7 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
         limits: settings.limits,
         start: Instant::now(),
         progress,
+        first_pass: settings.first_pass,
     })
 }
 
@@ -126,7 +129,11 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let settings = &plan.scene.render;
     let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;
     let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };
-    let tree = Whitted { max_depth, min_throughput, splitting };
+    if settings.glossy == description::FuzzyBy::TwoPass {
+        let tree = Whitted { max_depth, min_throughput, splitting, polished: true };
+        return two_pass::render(plan, accel, &tree);
+    }
+    let tree = Whitted { max_depth, min_throughput, splitting, polished: false };
     let way = query(plan.scene).query;
     match settings.integrator {
         description::Integrator::Whitted | description::Integrator::Distribution => {
@@ -174,6 +181,7 @@ fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<
     let hierarchy_bytes = accel.bytes();
     Ok(Rendered {
         film,
+        first_pass: Vec::new(),
         statistics: Statistics {
             counters,
             samples,

@@ -3,9 +3,11 @@
 use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
+use crate::post::GBuffer;
 use crate::render::{Ended, Estimate, Limits};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
+use std::ops::AddAssign;
 use std::time::{Duration, Instant};
 
 /// What the scene does not say.
@@ -19,6 +21,8 @@ pub struct Settings {
     pub layout: Layout,
     /// What ends the picture before it has all samples.
     pub limits: Limits,
+    /// Whether what fuzzy reflections are filtered from is kept.
+    pub first_pass: bool,
 }
 
 /// Somebody who watches, and may stop it. Called from several threads at once.
@@ -60,6 +64,13 @@ impl Phase {
     }
 }
 
+impl AddAssign for Phase {
+    fn add_assign(&mut self, other: Self) {
+        self.wall += other.wall;
+        self.cpu += other.cpu;
+    }
+}
+
 /// How a rendering went.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Statistics {
@@ -73,8 +84,10 @@ pub struct Statistics {
     pub estimate: Option<Estimate>,
     /// Building the hierarchy.
     pub build: Phase,
-    /// Tracing.
+    /// Tracing, and filtering where pictures are filtered.
     pub render: Phase,
+    /// Filtering alone.
+    pub filter: Phase,
     /// Bytes of the hierarchy.
     pub hierarchy_bytes: usize,
     /// The backend, with its version.
@@ -90,6 +103,8 @@ pub struct Statistics {
 pub struct Rendered {
     /// The sums.
     pub film: Film,
+    /// What fuzzy reflections were filtered from, sample by sample, if it was to be kept.
+    pub first_pass: Vec<GBuffer>,
     /// How it went.
     pub statistics: Statistics,
 }

@@ -15,8 +15,10 @@ mod query;
 mod samples;
 mod schedule;
 mod tiles;
+mod two_pass;
 
 pub use dispatch::{MOST, render, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use query::{Chosen, query};
+pub use two_pass::filter_of;

@@ -31,7 +31,18 @@ impl Plan<'_> {
         [x, y]: [I; 2],
         sampler: &AnySampler<I>,
     ) -> CameraSamples<I::F> {
-        let FilterSample { offset, weight } = self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
+        let film = self.filter.sample(sampler.get_2d(Dim::Film, Vertex::ROOT));
+        self.camera_samples_at([x, y], film, sampler)
+    }
+
+    /// The same with another place on the film.
+    #[inline(always)]
+    pub(super) fn camera_samples_at<I: IntLanes>(
+        &self,
+        [x, y]: [I; 2],
+        FilterSample { offset, weight }: FilterSample<I::F>,
+        sampler: &AnySampler<I>,
+    ) -> CameraSamples<I::F> {
         let film = [x.signed_to_float() + 0.5 + offset[0], y.signed_to_float() + 0.5 + offset[1]];
         let camera = &self.scene.camera;
         let time = if self.moves { sampler.get_1d(Dim::Time, Vertex::ROOT) } else { weight.splat(0.0) };

@@ -39,6 +39,8 @@ pub(super) struct Plan<'a> {
     /// Since when time counts.
     pub(super) start: Instant,
     pub(super) progress: &'a dyn Progress,
+    /// Whether what fuzzy reflections are filtered from is kept.
+    pub(super) first_pass: bool,
 }
 
 /// All that tracing gives.
@@ -171,8 +173,8 @@ impl<A> Work<'_, A> {
             let mut weights = weights.iter();
             samples.for_each(|(index, radiance)| {
                 let id = SampleId { index, ..first };
-                let features = if self.plan.layout.has_features() { self.features(id) } else { None };
-                self.outputs(radiance, features.as_ref(), values);
+                let features = self.features(id);
+                outputs(&self.plan.layout, radiance, features.as_ref(), values);
                 let weight = weights.next().copied().unwrap_or(0.0);
                 if let Some(it) = features {
                     let (object, material) = (it.object.0, it.material.0);
@@ -183,42 +185,15 @@ impl<A> Work<'_, A> {
         self.tile.add_run(first, weights, values);
     }
 
-    /// The values that are kept of a sample, in the order of the layout.
-    fn outputs(&self, radiance: Radiance, features: Option<&Features>, values: &mut Vec<f32>) {
-        for aov in self.plan.layout.aovs() {
-            // What is not finite here is no reason to drop the light.
-            let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
-            let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value).map(finite);
-            match aov {
-                Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
-                Aov::Direct => values.extend([radiance.direct.r, radiance.direct.g, radiance.direct.b]),
-                Aov::Indirect => {
-                    let rest = radiance.color - radiance.direct;
-                    values.extend([rest.r, rest.g, rest.b]);
-                }
-                Aov::Alpha => values.push(radiance.alpha),
-                Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
-                Aov::Normal => values.extend(of(|it| it.normal.to_array())),
-                Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
-                Aov::Depth => values.push(features.map_or(0.0, |it| finite(it.depth))),
-                Aov::Position => values.extend(of(|it| it.position.to_array())),
-                Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array().map(finite))),
-                Aov::Variance
-                | Aov::Samples
-                | Aov::ObjectId
-                | Aov::MaterialId
-                | Aov::CryptoObject
-                | Aov::CryptoMaterial => {}
-            }
-        }
-    }
-
-    /// What the camera ray of a sample sees.
+    /// What the camera ray of a sample sees, if anybody asks.
     fn features(&self, SampleId { x, y, index }: SampleId) -> Option<Features>
     where
         A: Accel,
     {
         let plan = self.plan;
+        if !plan.layout.has_features() {
+            return None;
+        }
         let CameraSamples { o, d, time, .. } = plan.camera_samples([x, y], &plan.start([x, y], index));
         let ray = Ray::new(o.into(), d.into()).at_time(time);
         let camera = CameraRay { ray, found: None };
@@ -229,6 +204,41 @@ impl<A> Work<'_, A> {
     fn report(&self, samples: u64) -> Result<()> {
         (self.advance)(samples);
         if self.plan.progress.is_cancelled() { Err(Error::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// The values that are kept of a sample, in the order of the layout.
+pub(super) fn outputs(
+    layout: &Layout,
+    radiance: Radiance,
+    features: Option<&Features>,
+    values: &mut Vec<f32>,
+) {
+    for aov in layout.aovs() {
+        // What is not finite here is no reason to drop the light.
+        let finite = |value: f32| if value.is_finite() { value } else { 0.0 };
+        let of = |value: fn(&Features) -> [f32; 3]| features.map_or([0.0; 3], value).map(finite);
+        match aov {
+            Aov::Beauty => values.extend([radiance.color.r, radiance.color.g, radiance.color.b]),
+            Aov::Direct => values.extend([radiance.direct.r, radiance.direct.g, radiance.direct.b]),
+            Aov::Indirect => {
+                let rest = radiance.color - radiance.direct;
+                values.extend([rest.r, rest.g, rest.b]);
+            }
+            Aov::Alpha => values.push(radiance.alpha),
+            Aov::Albedo => values.extend(of(|it| [it.albedo.r, it.albedo.g, it.albedo.b])),
+            Aov::Normal => values.extend(of(|it| it.normal.to_array())),
+            Aov::GeometricNormal => values.extend(of(|it| it.geometric_normal.to_array())),
+            Aov::Depth => values.push(features.map_or(0.0, |it| finite(it.depth))),
+            Aov::Position => values.extend(of(|it| it.position.to_array())),
+            Aov::Uv => values.extend(features.map_or([0.0; 2], |it| it.uv.to_array().map(finite))),
+            Aov::Variance
+            | Aov::Samples
+            | Aov::ObjectId
+            | Aov::MaterialId
+            | Aov::CryptoObject
+            | Aov::CryptoMaterial => {}
+        }
     }
 }
 

@@ -127,6 +127,11 @@ impl Builder {
             Described::Mirror { reflectance } => {
                 Scattering::Mirror { reflectance: self.texture(reflectance) }
             }
+            Described::Glossy { exponent, reflectance, diffuse, .. } if self.jitters => {
+                // As sharp as the lobe straight on: angles double at a mirror.
+                let lobe = Jitter { reflectance: *reflectance, exponent: 4.0 * exponent + 3.0 };
+                Scattering::Jitter { lobe, base: self.texture(diffuse) }
+            }
             Described::Glossy { exponent, reflectance, diffuse, below } => {
                 let lobe = Glossy { reflectance: *reflectance, exponent: *exponent, below: *below };
                 Scattering::Glossy { lobe, base: self.texture(diffuse) }

@@ -24,7 +24,7 @@ use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
-use crate::scene::description::{Description, GlassShadows};
+use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
 use glam::{DVec3, Vec3};
 use origin::Origin;
@@ -49,7 +49,8 @@ pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
-    let mut builder = Builder { shutter, origin, fresnel, ..Builder::default() };
+    let jitters = description.render.glossy == FuzzyBy::Jitter;
+    let mut builder = Builder { shutter, origin, fresnel, jitters, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
@@ -88,6 +89,8 @@ struct Builder {
     materials: Vec<Material>,
     /// How reflectance depends on the angle where a material does not say.
     fresnel: FresnelModel,
+    /// Whether fuzzy mirrors become mirrors with a trembling normal.
+    jitters: bool,
     /// The scene's own materials; those of mesh files cannot be named.
     named: HashMap<String, MaterialId>,
     lights: Vec<Light>,

@@ -24,7 +24,8 @@ pub(crate) mod value;
 pub(crate) mod words;
 
 use crate::error::{Problem, Result};
-use crate::scene::description::{Description, Form, Integrator, Light, Scattering, Texture};
+use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
+use crate::scene::load::node::Node;
 use crate::scene::record::{Rules, Value};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
@@ -60,6 +61,19 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
     let description = report.into_result(description)?;
     let warnings = warnings(&description);
     Ok(Loaded { description, warnings })
+}
+
+/// The filter that settings of the form `key=value` describe, later ones before earlier ones, defaults for the rest.
+///
+/// Fails with everything wrong with them.
+pub fn fuzzy_filter(settings: &[String]) -> Result<FuzzyFilter> {
+    let mut report = Report::default();
+    let mut tree = Node::nowhere();
+    for (index, text) in settings.iter().enumerate() {
+        overrides::apply(&mut tree, text, index, &mut report);
+    }
+    let filter = FuzzyFilter::decode(&tree, "fuzzy", &Rules::default(), &mut report);
+    report.into_result(filter)
 }
 
 /// What is allowed but hardly meant.
