@@ -9,7 +9,9 @@ mod bench;
 mod diff;
 mod documents;
 mod interrupt;
+mod kept;
 mod log;
+mod merge;
 mod options;
 mod output;
 mod plan;
@@ -25,8 +27,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, PlanArgs,
-    RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs,
+    PlanArgs, RenderArgs,
 };
 
 use crate::error::{Error, Result};
@@ -45,6 +47,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Bench(args) => bench::run(&args),
         Command::Schema => documents::schema(),

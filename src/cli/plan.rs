@@ -21,7 +21,7 @@ pub(super) fn run(args: &PlanArgs) -> Result<()> {
     let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
     let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
     let loaded = scene::load(&args.scene, &overrides)?;
-    let Built { scene, origins, warnings } = scene::build(&loaded.description)?;
+    let Built { scene, origins, warnings, .. } = scene::build(&loaded.description)?;
     let needs = Needs::of(&scene, &origins);
     let warnings: Vec<&Problem> = loaded.warnings.iter().chain(&warnings).chain(&needs.warnings).collect();
     let name = args.scene.display().to_string();

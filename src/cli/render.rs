@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::args::RenderArgs;
 use super::interrupt::Interrupt;
+use super::kept::{self, Kept};
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
 use super::statistics::{self, Times};
@@ -15,7 +16,7 @@ use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
-use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
+use crate::render::{self, Ended, Estimate, Keeper, Limits, Part, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
 
@@ -29,21 +30,30 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
     tracing::debug!("reading {}", options.scene.display());
     let (loaded, load) = Phase::of(|| load(&options));
-    let scene = loaded?;
+    let (scene, about) = loaded?;
     interrupt.check()?;
 
+    let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
+    let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);
-    let rendered = render::render(&scene, &settings, &meter);
+    let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
+    let rendered = render::render_kept(&scene, &settings, &meter, render::Kept { begin, keeper });
     meter.finish();
     let rendered = rendered?;
     tell(&options, &scene, &rendered);
 
-    let (written, write) = Phase::of(|| write(&options, &scene, &rendered, load));
+    let (written, write) = Phase::of(|| {
+        write(&options, &scene, &rendered, load)?;
+        write_parts(&options, (&scene, about), (&settings, &rendered), load)
+    });
     written?;
     if let Some(path) = &options.stats {
         let report = statistics::report(&options, &scene, &rendered, Times { load, write });
         write_json(path, &report)?;
+    }
+    if let Some(kept) = kept {
+        kept.remove();
     }
     output::print(names(&options).as_bytes())
 }
@@ -54,6 +64,7 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
         threads: options.threads,
         crop: options.crop,
         layout: options.layout.clone(),
+        slice: options.slice,
         limits: Limits {
             time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
             ..options.limits
@@ -72,13 +83,15 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
     }
 }
 
-/// The frozen scene; warnings are logged.
-fn load(options: &RenderOptions) -> Result<Scene> {
+/// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
+fn load(options: &RenderOptions) -> Result<(Scene, Value)> {
     let loaded = scene::load(&options.scene, &options.overrides)?;
     log::warn(&loaded.warnings);
     let built = scene::build(&loaded.description)?;
     log::warn(&built.warnings);
-    Ok(built.scene)
+    let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
+    let about = if is_kept { kept::about(options, &loaded.description, &built.files)? } else { Value::Null };
+    Ok((built.scene, about))
 }
 
 /// Logs how it went, and what was dropped.
@@ -131,6 +144,30 @@ fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phas
     Ok(())
 }
 
+/// Writes the sums.
+fn write_parts(
+    options: &RenderOptions,
+    (scene, about): (&Scene, Value),
+    (settings, rendered): (&Settings, &Rendered),
+    load: Phase,
+) -> Result<()> {
+    if options.parts.is_empty() {
+        return Ok(());
+    }
+    let statistics = statistics::report(options, scene, rendered, Times { load, write: Phase::default() });
+    let part = Part {
+        outline: render::outline(scene, settings)?,
+        film: rendered.film.clone(),
+        counters: rendered.statistics.counters,
+        about,
+        told: kept::told(&statistics::attributes(scene, rendered, load), &statistics, scene),
+    };
+    for path in &options.parts {
+        atomic::write(path, |mut file| part.write(&mut file))?;
+    }
+    Ok(())
+}
+
 /// How the scene wants to be shown.
 fn development(scene: &Scene) -> Development {
     let curve = match scene.film.tone {
@@ -140,12 +177,12 @@ fn development(scene: &Scene) -> Development {
     Development { exposure_ev: scene.film.exposure_ev, curve }
 }
 
-fn write_json(path: &Path, value: &Value) -> Result<()> {
+pub(super) fn write_json(path: &Path, value: &Value) -> Result<()> {
     atomic::write(path, |file| io::Write::write_all(file, format!("{value:#}\n").as_bytes()))
 }
 
 /// The files that were written, one a line.
 fn names(options: &RenderOptions) -> String {
-    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
+    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.parts).chain(&options.stats);
     paths.map(|path| format!("{}\n", path.display())).collect()
 }

@@ -3,7 +3,7 @@
 use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
-use crate::render::{Ended, Estimate, Limits};
+use crate::render::{Ended, Estimate, Limits, Slice};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use std::time::{Duration, Instant};
@@ -19,6 +19,8 @@ pub struct Settings {
     pub layout: Layout,
     /// What ends the picture before it has all samples.
     pub limits: Limits,
+    /// Some of the samples of every pixel; all of them if absent. Not with a limit.
+    pub slice: Option<Slice>,
 }
 
 /// Somebody who watches, and may stop it. Called from several threads at once.
@@ -65,6 +67,8 @@ impl Phase {
 pub struct Statistics {
     /// Rays and cuts.
     pub counters: Counters,
+    /// The first sample of each pixel: 0, unless it is a later slice.
+    pub first: u32,
     /// Camera samples taken.
     pub samples: u64,
     /// What ended the picture.

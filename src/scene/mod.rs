@@ -5,7 +5,9 @@
 
 mod build;
 pub mod description;
+mod fingerprint;
 mod frozen;
+mod identity;
 pub mod load;
 pub mod needs;
 mod record;
@@ -14,7 +16,9 @@ mod track;
 
 pub use build::{Built, build};
 pub use description::{Description, Direct, GlassShadows};
+pub use fingerprint::fingerprint;
 pub use frozen::Scene;
+pub use identity::{differences, identity};
 pub use load::{Loaded, load};
 pub use needs::Needs;
 pub use schema::schema;
