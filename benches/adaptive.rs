@@ -44,7 +44,7 @@ struct Scale {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
-    // Under `cargo test` it only shows that it runs.
+    // Under `cargo test --benches` it only shows that it runs.
     let scale = if std::env::args().any(|word| word == "--bench") {
         Scale { size: [80, 60], runs: 40, reference: 8192 }
     } else {

@@ -16,13 +16,14 @@ mod support;
 mod terrain;
 
 use specula::accel::embree::EmbreeAccel;
-type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 use specula::render::{Chosen, Settings, Silent, query, render_on};
 use specula::scene::Scene;
 use specula::scene::description::Query;
 use std::cell::RefCell;
 use std::num::NonZeroUsize;
 use support::{Bench, Race};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// How little slower than the fastest the way that is chosen may be.
 const CLOSE: f64 = 0.97;
@@ -42,7 +43,7 @@ fn main() -> Result<()> {
         let pass = |query| {
             scene.borrow_mut().render.query = Some(query);
             let settings = Settings { threads: NonZeroUsize::new(1), ..Settings::default() };
-            render_on(&scene.borrow(), &settings, &accel, &Silent).map_or(0, |it| it.statistics.samples)
+            render_on(&scene.borrow(), &settings, &accel, &Silent).expect("a picture").statistics.samples
         };
         let mut race = Race::new(name, samples, "samples");
         for &query in Query::ALL {

@@ -55,7 +55,7 @@ struct Knob<'a> {
 
 fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let mut bench = Bench::new("knobs");
-    // Under `cargo test` it only shows that it runs.
+    // Under `cargo test --benches` it only shows that it runs.
     let scale = if std::env::args().any(|word| word == "--bench") { 1 } else { 16 };
     let mut ball = tempfile::Builder::new().suffix(".toml").tempfile()?;
     ball.write_all(BALL.as_bytes())?;
@@ -187,7 +187,7 @@ fn race(bench: &mut Bench, knob: &Knob<'_>, scale: u32) -> Result<()> {
         let more = f64::from(knob.many) / f64::from(*spp);
         let figures = figures(&pictures, &reference, model.as_ref(), more)?;
         let scene: Scene = scene(keys, *spp, 1)?;
-        let pass = move || rendered(&scene).map_or(0, |rendered| rendered.statistics.counters.rays());
+        let pass = move || rendered(&scene).expect("a picture").statistics.counters.rays();
         race = race.with(position, pass).knowing(figures);
     }
     bench.run(race);

@@ -37,7 +37,7 @@ type Way<'a> = (String, String, Place<'a>);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    // Under `cargo test` it only shows that it runs.
+    // Under `cargo test --benches` it only shows that it runs.
     let is_bench = words.iter().any(|word| word == "--bench");
     let filter = words.iter().find(|word| !word.starts_with("--"));
     let wants = |name: &str| filter.is_none_or(|part| name.contains(part.as_str()));

@@ -3,8 +3,6 @@
 //! Recorded camera, shadow and diffuse-bounce rays on the dragon (100 k triangles, where its file is found) and on a
 //! landscape of a million triangles, in one thread. `cargo bench --bench queries -- [--record] [part of a race's name]`.
 
-#![expect(clippy::print_stdout, reason = "a bench says what it skips")]
-
 #[path = "support/direct.rs"]
 mod direct;
 #[path = "support/models.rs"]

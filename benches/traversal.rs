@@ -19,7 +19,6 @@ use cpu_time::ProcessTime;
 use specula::accel::embree::EmbreeAccel;
 use specula::accel::{Accel, Active, Coherence, Packet, RayPacket};
 use specula::bench::race::{Spread, interleave};
-type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 use specula::geometry::{Hit, Ray};
 use specula::math::Aabb;
 use specula::render::{Settings, Silent, render_on};
@@ -29,6 +28,8 @@ use std::fmt::Write as _;
 use std::hint::black_box;
 use std::num::NonZeroUsize;
 use std::sync::{Mutex, PoisonError};
+
+type Result<T> = std::result::Result<T, Box<dyn std::error::Error>>;
 
 /// Rays of a picture, by how it asked.
 #[derive(Default)]
@@ -222,7 +223,7 @@ fn measure(name: &str, scene: &Scene, passes: usize, csv: &mut String) -> Result
         let start = ProcessTime::now();
         match all.get(turn) {
             Some((_, (_, replay))) => _ = black_box(replay()),
-            None => _ = black_box(render_on(scene, &settings, &embree, &Silent).is_ok()),
+            None => _ = black_box(render_on(scene, &settings, &embree, &Silent).expect("a picture")),
         }
         Ok::<_, Infallible>(start.elapsed().as_secs_f64())
     });

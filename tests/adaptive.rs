@@ -9,7 +9,7 @@ mod noisy;
 mod scene;
 
 use noisy::{ALL, Noisy, relmse};
-use scene::scene_of;
+use scene::{bits, scene_of};
 use specula::film::{Aov, Film, Layout};
 use specula::image::Window;
 use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
@@ -69,11 +69,6 @@ fn the_error_is_below_its_target() {
     let missed: usize = ALL.iter().map(above).sum();
     println!("{missed} of {} missed", ALL.len() as u64 * RUNS);
     assert!(missed <= 2, "{missed} of {} missed the target", ALL.len() as u64 * RUNS);
-}
-
-fn bits(film: &Film) -> Vec<Vec<u32>> {
-    let all = film.layout().aovs().iter().filter_map(|&aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
 }
 
 #[test]

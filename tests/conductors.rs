@@ -1,14 +1,16 @@
 //! The table of metals is recomputed from published spectra, and its reduction to three channels is measured.
 //!
-//! Spectra come from `../shared/data/optics/nk` (or `SPECULA_DATA`); metals whose file is absent are skipped.
+//! Spectra come from `optics/nk` of the data; metals whose file is absent are skipped.
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small non-negative numbers")]
 
-use std::f64::consts::FRAC_PI_2;
-use std::path::PathBuf;
+#[path = "support/data.rs"]
+mod data;
 
+use data::data;
 use specula::material::conductors;
 use specula::math::Rgb;
+use std::f64::consts::FRAC_PI_2;
 
 /// Wavelengths of the integration, in nm.
 const WAVELENGTHS: std::ops::RangeInclusive<u32> = 380..=780;
@@ -110,19 +112,9 @@ fn spectrum(source: &Source) -> Option<Spectrum> {
     }
 }
 
-fn data() -> PathBuf {
-    std::env::var_os("SPECULA_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from)
-}
-
 /// Linear interpolation of the rows of three numbers in a file of the refractiveindex.info database.
-#[expect(clippy::print_stdout, reason = "a test that is skipped says so")]
 fn tabulated(name: &str) -> Option<Spectrum> {
-    let path = data().join("optics/nk").join(format!("{name}.yml"));
-    let Ok(text) = std::fs::read_to_string(&path) else {
-        println!("skipped: no {}", path.display());
-        return None;
-    };
+    let text = std::fs::read_to_string(data(&format!("optics/nk/{name}.yml"))?).expect("readable");
     let rows: Vec<[f64; 3]> = text
         .lines()
         .skip_while(|line| !line.contains("tabulated nk"))

@@ -4,6 +4,10 @@
 //! and from pictures of other renderers where they are at hand. Errors are compared at single pixels, not only in the
 //! mean: a mean forgives a shifted map.
 
+#[path = "support/data.rs"]
+mod data;
+
+use data::data;
 use specula::image::Image;
 use specula::math::Rgb;
 use specula::math::lanes::Level;
@@ -339,15 +343,10 @@ const PAIRS: [(&str, &str, f64); 4] = [
 
 #[test]
 fn means_of_rendered_pictures_are_those_of_the_authors() {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let folder = std::env::var_os("SPECULA_DATA").map_or_else(|| beside.into(), std::path::PathBuf::from);
     for (reference, name, wanted) in PAIRS {
-        let paths = [name, reference].map(|name| folder.join(name));
-        if !paths.iter().all(|path| path.exists()) {
-            println!("skipped: {name} or {reference} is absent");
-            continue;
-        }
-        let [test, reference] = paths.map(|path| specula::image::read(&path).expect("read").image);
+        let [Some(test), Some(reference)] = [name, reference].map(data) else { continue };
+        let [test, reference] =
+            [test, reference].map(|path| specula::image::read(&path).expect("read").image);
         let exposures = Exposures::of(&reference).expect("some light");
         let errors = flip::exposed([&test, &reference], Viewing::default(), &exposures, watch(Level::best()));
         let errors: Vec<f64> = errors.expect("nobody interrupts").into_iter().map(f64::from).collect();

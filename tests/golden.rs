@@ -94,7 +94,7 @@ fn scene_with(name: &str, settings: &[&str], (spp, seed): (u32, u32)) -> Scene {
 /// The long picture, rendered anew if asked for, with the variance of one sample.
 fn long(name: &str) -> Shot {
     let path = file(name, "exr");
-    if std::env::var_os("SPECULA_RECORD").is_some() {
+    if std::env::var_os("SPECULA_GOLDEN").is_some() {
         keep(&path, &Shot::of(&scene_with(name, &[], LONG)));
     }
     Shot::read(&path, None)

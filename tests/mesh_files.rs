@@ -2,6 +2,10 @@
 //!
 //! What matters of each file is in that table, judged by hand. Skipped where the public models are absent.
 
+#[path = "support/data.rs"]
+mod data;
+
+use data::data;
 use glam::{DVec3, Vec3};
 use specula::scene::description::Normals;
 use specula::scene::load::{LoadedMesh, load_mesh};
@@ -9,18 +13,6 @@ use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// The folder of public data, if it is there.
-#[expect(clippy::print_stdout, reason = "a skipped test says so")]
-fn data() -> Option<PathBuf> {
-    let data =
-        std::env::var_os("SPECULA_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
-    if !data.join("models").is_dir() {
-        println!("skipped: {} is absent", data.display());
-        return None;
-    }
-    Some(data)
-}
 
 /// All mesh files under a folder, sorted.
 fn mesh_files(folder: &Path) -> Vec<PathBuf> {
@@ -62,7 +54,7 @@ fn outcome(path: &Path, data: &Path) -> String {
 
 #[test]
 fn every_file_gives_what_the_table_says() {
-    let Some(data) = data() else { return };
+    let Some(data) = data("") else { return };
     let folders = ["models/obj", "models/ply", "models/awkward", "scenes"];
     let files: Vec<PathBuf> = folders.iter().flat_map(|folder| mesh_files(&data.join(folder))).collect();
     let found: Vec<String> = files.iter().map(|path| outcome(path, &data)).collect();
@@ -106,7 +98,7 @@ fn polygons(text: &str) -> (Vec<DVec3>, Vec<Vec<usize>>) {
 /// Triangles of flat polygons cover as much as the polygons do: more where they overlap, less where some are missing.
 #[test]
 fn triangles_cover_as_much_as_polygons() {
-    let Some(data) = data() else { return };
+    let Some(models) = data("models") else { return };
     let files = [
         ("awkward/assimp-obj/concave_polygon.obj", 1e-5),
         ("awkward/assimp-obj/box.obj", 1e-6),
@@ -119,7 +111,7 @@ fn triangles_cover_as_much_as_polygons() {
         ("obj/wine_glass.obj", 1e-3),
     ];
     for (file, tolerance) in files {
-        let path = data.join("models").join(file);
+        let path = models.join(file);
         let (positions, polygons) = polygons(&String::from_utf8_lossy(&fs::read(&path).expect(file)));
         let area = |polygon: &Vec<usize>| {
             let p = |i: usize| positions[polygon[i % polygon.len()]] - positions[polygon[0]];

@@ -3,24 +3,15 @@
 //! Counts for the public models are those of an independent reader (tobj 4.0.5, one index per vertex), less the triangles
 //! without area; they are skipped where the models are absent.
 
+#[path = "support/data.rs"]
+mod data;
+
+use data::data;
 use glam::Vec3;
 use specula::scene::description::{Normals, Scattering, Texture};
 use specula::scene::load::{LoadedMesh, load_mesh};
 use std::fs;
-use std::path::{Path, PathBuf};
-
-/// The folder of public models, if it is there.
-#[expect(clippy::print_stdout, reason = "a skipped test says so")]
-fn models() -> Option<PathBuf> {
-    let data =
-        std::env::var_os("SPECULA_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
-    let models = data.join("models");
-    if !models.is_dir() {
-        println!("skipped: {} is absent", models.display());
-        return None;
-    }
-    Some(models)
-}
+use std::path::Path;
 
 /// Warnings or errors, without the path of the folder.
 fn messages(path: &Path, normals: Normals) -> Vec<String> {
@@ -42,7 +33,7 @@ fn load_text(text: &str, normals: Normals) -> LoadedMesh {
 
 #[test]
 fn public_models_have_the_known_counts() {
-    let Some(models) = models() else { return };
+    let Some(models) = data("models") else { return };
     // Triangles, vertices, groups, whether normals.
     let known = [
         ("dragon", 100_000, 50_000, 1, false),
@@ -73,7 +64,7 @@ fn public_models_have_the_known_counts() {
 
 #[test]
 fn awkward_files_give_their_messages() {
-    let Some(models) = models() else { return };
+    let Some(models) = data("models") else { return };
     let no_number = |line: u32, word: &str| {
         format!("number_formats.obj:{line}: `{word}` is not a number; give a number like -1.5e3")
     };

@@ -4,7 +4,6 @@
 #[path = "support/scene.rs"]
 mod support;
 
-use specula::film::{Aov, Film};
 use specula::image::Window;
 use specula::render::{Settings, Silent, render};
 use specula::scene::Scene;
@@ -72,12 +71,7 @@ fn bits(scene: &Scene, threads: usize, crop: Option<Window>) -> Vec<Vec<u32>> {
     let settings = Settings { threads: NonZeroUsize::new(threads), crop, ..Settings::default() };
     let rendered = render(scene, &settings, &Silent).expect("a picture");
     assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
-    channels(&rendered.film)
-}
-
-fn channels(film: &Film) -> Vec<Vec<u32>> {
-    let all = film.layout().aovs().iter().filter_map(|&aov: &Aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
+    support::bits(&rendered.film)
 }
 
 /// Renders the whole on one thread and on several, and in crops that are joined.

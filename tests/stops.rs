@@ -6,8 +6,8 @@ mod desk;
 mod scene;
 
 use desk::Desk;
-use scene::scene_of;
-use specula::film::{Aov, Film, Layout};
+use scene::{bits, scene_of};
+use specula::film::{Aov, Layout};
 use specula::image::exr;
 use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
 use std::time::Duration;
@@ -65,11 +65,6 @@ fn rendered(text: &str, limits: Limits) -> Rendered {
     render(&scene_of(text), &settings, &Silent).expect("a picture")
 }
 
-fn bits(film: &Film) -> Vec<Vec<u32>> {
-    let all = film.layout().aovs().iter().filter_map(|&aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
-}
-
 fn seconds(seconds: f64) -> Limits {
     Limits { time: Some(Duration::from_secs_f64(seconds)), error: None }
 }
@@ -85,7 +80,8 @@ const WAYS: [(&str, &str); 5] = [
 #[test]
 fn a_picture_that_time_ended_is_that_of_its_samples() {
     for (integrator, query) in WAYS {
-        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"");
+        // Of Embree's packets those that are coherent may meet edges elsewhere, and how packets come depends on the pace.
+        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nbackend = \"bvh2\"");
         let stopped = rendered(&room(&settings), seconds(0.25));
         assert_eq!(stopped.statistics.ended, Ended::Time, "{settings}");
         let [least, most] = stopped.film.samples_of_pixels();

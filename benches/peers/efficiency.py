@@ -3,9 +3,9 @@
 
     pip install mitsuba==3.9.1 numpy       # in an environment of its own
     cargo build --release
-    DRJIT_LIBLLVM_PATH=/usr/lib/x86_64-linux-gnu/libLLVM-19.so benches/peers/efficiency.py [--scenes NAME ..] [--passes N] [--markdown FILE]
+    DRJIT_LIBLLVM_PATH=PATH/OF/libLLVM-19.so benches/peers/efficiency.py [--scenes NAME ..] [--passes N] [--markdown FILE]
 
-Scenes: `cornell` and `glossyrow` of `shared/data/peer-scenes`; `glass`, the box of the first with a ball of glass and one of rough gold in it; and
+Scenes: `cornell` and `glossyrow` of `peer-scenes` in the folder that `SPECULA_DATA` names; `glass`, the box of the first with a ball of glass and one of rough gold in it; and
 `landscape`, a million triangles under a picture of a sky and a square light. Contestants render each in turn, there and back, pass
 after pass, each pass with another seed. Time is CPU time of rendering alone: what Mitsuba compiles and loads, and what Specula loads and builds, is
 left out. Efficiency is 1 / (relMSE * CPU seconds), relMSE the mean of (x - r)(x - s) / (m^2 + 0.01) over pixels and channels, where r and s are two long
@@ -224,11 +224,15 @@ def main():
 def compete(name, folder, arguments):
     described_scene, spp = described(name, folder), arguments.spp
     file = specula_scene(name, described_scene, folder)
-    contestants = {}
+    contestants, taken = {}, {}
     for sampler in ["independent", "multijitter"]:
         scene = mitsuba_scene(described_scene, sampler)
         run_mitsuba(scene, spp, 1_000)
         contestants[f"mitsuba {sampler}"] = lambda seed, scene=scene: run_mitsuba(scene, spp, seed)
+        # A sampler may take more than it is asked for.
+        counted = scene.sensors()[0].sampler().clone()
+        counted.set_sample_count(spp)
+        taken[f"mitsuba {sampler}"] = counted.sample_count()
     long = arguments.reference_spp
     references = [
         np.mean([run_mitsuba(scene, 64, seed + turn)[1] for turn in range(max(long // 64, 1))], axis=0, dtype=np.float64)
@@ -245,7 +249,7 @@ def compete(name, folder, arguments):
             found[contestant].append((seconds, *errors(picture, references)))
     rows = {}
     for contestant, runs in found.items():
-        rates = [SIZE * SIZE * spp / run[0] / 1e6 for run in runs]
+        rates = [SIZE * SIZE * taken.get(contestant, spp) / run[0] / 1e6 for run in runs]
         whole, half, bias = (statistics.mean(run[i] for run in runs) for i in [1, 2, 3])
         seconds = statistics.median(run[0] for run in runs)
         rows[contestant] = (rates, whole, half, bias, [1 / (error * seconds) for error in [whole, half]])

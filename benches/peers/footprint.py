@@ -3,7 +3,7 @@
 
     pip install mitsuba==3.9.1 numpy       # in an environment of its own
     cargo build --release
-    DRJIT_LIBLLVM_PATH=/usr/lib/x86_64-linux-gnu/libLLVM-19.so benches/peers/footprint.py [--millions 1 10] [--passes N] [--markdown FILE]
+    DRJIT_LIBLLVM_PATH=PATH/OF/libLLVM-19.so benches/peers/footprint.py [--millions 1 10] [--passes N] [--markdown FILE]
 
 A height field of 1 M and one of 10 M triangles is written as a binary PLY file without normals, and rendered with one sample for each
 of 64 x 64 pixels, paths of at most 5 vertices under a constant sky, by a process of its own each time. Seconds go by the clock from the start of

@@ -9,8 +9,11 @@ use specula::geometry::{Shape, World};
 use specula::scene::{self, Scene};
 use std::error::Error;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
+
+#[path = "../../tests/support/data.rs"]
+mod data;
 
 /// Embree as pictures use it, with the instruction sets that the environment allows.
 pub(crate) fn embree() -> BuildOptions {
@@ -34,7 +37,7 @@ pub(crate) fn of_file(name: &str, keys: &[&str]) -> Result<Scene, Box<dyn Error>
 
 /// A picture that other renderers have, with a table `render`; `None`, with a printed line, where the data is absent.
 pub(crate) fn peer(name: &str, render: &str, size: u32) -> Result<Option<Scene>, Box<dyn Error>> {
-    let Some(folder) = peers::folder() else { return Ok(None) };
+    let Some(folder) = data::data("peer-scenes") else { return Ok(None) };
     of_text(&peers::scene_file(&folder, name, render, size)).map(Some)
 }
 
@@ -66,13 +69,8 @@ pub(crate) fn landscape(cells: u32, render: &str, size: u32) -> Result<Scene, Bo
 /// A furnished room of 270 000 triangles, all matt, lit through its windows; `None`, with a printed line, where its files are
 /// absent.
 pub(crate) fn interior(render: &str, size: u32) -> Result<Option<Scene>, Box<dyn Error>> {
-    let data = std::env::var_os("SPECULA_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let Ok(folder) = data.join("scenes/dining-room/models").read_dir() else {
-        println!("dining room: skipped, its files are not here");
-        return Ok(None);
-    };
-    let files = folder.filter_map(|entry| Some(entry.ok()?.path()));
+    let Some(folder) = data::data("scenes/dining-room/models") else { return Ok(None) };
+    let files = folder.read_dir()?.filter_map(|entry| Some(entry.ok()?.path()));
     let mut files: Vec<_> = files.filter(|file| file.extension().is_some_and(|ext| ext == "obj")).collect();
     files.sort();
     let mut text = format!(

@@ -1,6 +1,6 @@
 //! Backends beside each other: the same recorded rays through every one, in every kind of query.
 //!
-//! A [`Track`] is a scene made ready. It records rays ([`record`]), which may go to files and come from them ([`file`]), and runs
+//! A [`Track`] is a scene made ready. It records rays ([`record`]), which may go to files and come from them ([`mod@file`]), and runs
 //! [`Contestant`]s on them: how long each build takes and what it holds, how fast each [`Query`] is answered for rays of each
 //! [`Class`], and whose answers differ and why ([`agreement`], judged by [`verdict`]). An [`Outcome`] is all that was found
 //! of a scene; a [`Report`] shows outcomes as text, JSON and a page.

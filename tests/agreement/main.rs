@@ -1,4 +1,4 @@
-//! Pictures and numbers by other renderers, `shared/data`.
+//! Pictures and numbers by other renderers.
 //!
 //! ```text
 //! cargo test --test agreement                          # minutes of CPU, all that is asserted
@@ -8,8 +8,8 @@
 //!
 //! Numbers are the same in every run: a test that passes once passes always. Significance is stated where a limit is chosen.
 
-#[path = "../support/data_folder.rs"]
-mod data_folder;
+#[path = "../support/data.rs"]
+mod data;
 #[path = "../support/mitsuba.rs"]
 mod mitsuba;
 #[path = "../support/peers.rs"]

@@ -3,7 +3,7 @@
 //!
 //! Their numbers have six digits; some are estimates themselves, off by up to 8e-4 of their value.
 
-use crate::data_folder::folder;
+use crate::data::data;
 use crate::mitsuba::{attribute, child, number, numbers, property};
 use crate::scene::scene_of;
 use crate::shots::{Shot, limit};
@@ -70,7 +70,7 @@ fn scene_file(folder: &Path, scene: &Node<'_, '_>, spp: u32) -> (String, String)
 
 #[test]
 fn numbers_of_nori_are_found() {
-    let Some(data) = folder("scenes/nori-tests") else { return };
+    let Some(data) = data("scenes/nori-tests") else { return };
     let files =
         ["pa4/test-mesh-furnace.xml", "pa4/test-mesh.xml", "pa5/test-furnace.xml", "pa5/test-direct.xml"];
     let mut table =
@@ -111,7 +111,7 @@ fn numbers_of_nori_are_found() {
 #[test]
 fn albedos_of_nori_are_found() {
     const SIDE: u16 = 1024;
-    let Some(data) = folder("scenes/nori-tests/pa5") else { return };
+    let Some(data) = data("scenes/nori-tests/pa5") else { return };
     let text = std::fs::read_to_string(data.join("ttest-microfacet.xml")).expect("a test");
     let document = Document::parse(&text).expect("XML");
     let root = document.root_element();

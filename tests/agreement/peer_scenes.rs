@@ -1,4 +1,4 @@
-//! Two scenes with converged pictures by Mitsuba, `shared/data/peer-scenes`: what is between ours and theirs is noise.
+//! Two scenes with converged pictures by Mitsuba, `peer-scenes` of the data: what is between ours and theirs is noise.
 
 use crate::peers;
 use crate::scene::scene_of;
@@ -27,7 +27,7 @@ fn excess(found: &Shot, reference: &Shot, spp: u32) -> [f64; 3] {
 
 #[test]
 fn what_is_between_us_and_mitsuba_vanishes_as_samples_grow() {
-    let Some(folder) = peers::folder() else { return };
+    let Some(folder) = crate::data::data("peer-scenes") else { return };
     let mut table = HEAD.to_owned();
     let mut failed = Vec::new();
     for name in ["cornell", "glossyrow"] {

@@ -1,6 +1,6 @@
 //! Rooms by other renderers: a Cornell box by Tungsten closely, a staircase loosely.
 
-use crate::data_folder::folder;
+use crate::data::data;
 use crate::mitsuba::Peer;
 use crate::scene::scene_of;
 use crate::shots::{Shot, Verdict};
@@ -8,7 +8,7 @@ use crate::table::{HEAD, dump, row, samples, tell};
 
 #[test]
 fn the_box_is_that_of_tungsten() {
-    let Some(folder) = folder("scenes/cornell-box") else { return };
+    let Some(folder) = data("scenes/cornell-box") else { return };
     let peer = Peer::read(&folder.join("scene.xml"));
     let spp = samples(32);
     let settings = format!("integrator = \"path\"\nsampler = \"independent\"\nspp = {spp}");
@@ -21,7 +21,7 @@ fn the_box_is_that_of_tungsten() {
     let table =
         HEAD.to_owned() + &row("cornell-box", spp, &verdict, "blocks of 64 by 64 pixels of the reference");
     tell("Boxes", &table);
-    assert!(verdict.bias.abs() < 3e-3, "{verdict:?}");
+    assert!(verdict.bias.abs() < 3e-3 && verdict.beyond <= 3, "{verdict:?}");
 }
 
 /// Blocks of a picture by how far they are from a reference: up to a twentieth, a tenth, a quarter, and beyond.
@@ -37,7 +37,7 @@ fn by_distance(found: &Shot, reference: &Shot) -> [usize; 4] {
 /// Loosely: the steps' coats are smooth instead of rough, and the description has another floor than the picture.
 #[test]
 fn the_staircase_is_nearly_that_of_tungsten() {
-    let Some(folder) = folder("scenes/staircase2") else { return };
+    let Some(folder) = data("scenes/staircase2") else { return };
     let peer = Peer::read(&folder.join("scene.xml"));
     let spp = samples(128);
     let settings = format!("integrator = \"path\"\nsampler = \"independent\"\nspp = {spp}");
@@ -65,7 +65,7 @@ fn the_staircase_is_nearly_that_of_tungsten() {
 /// a constant sky and one lit by a sun where theirs is.
 #[test]
 fn the_dining_room_is_nearly_that_of_tungsten() {
-    let Some(folder) = folder("scenes/dining-room") else { return };
+    let Some(folder) = data("scenes/dining-room") else { return };
     let peer = Peer::read(&folder.join("scene.xml"));
     let spp = samples(64);
     let settings = format!("integrator = \"path\"\nsampler = \"sobol\"\nspp = {spp}");
@@ -92,7 +92,7 @@ fn the_dining_room_is_nearly_that_of_tungsten() {
     );
     tell("Dining room", &(HEAD.to_owned() + &row("dining-room", spp, &verdict, &remarks)));
     let all: usize = counts.iter().sum();
-    assert!(counts[3] * 2 < all, "where the sun falls is where it fell: {counts:?}");
+    assert!(counts[3] * 5 < all * 2, "where the sun falls is where it fell: {counts:?}");
 }
 
 /// The sum of two pictures that comes nearest to a third, by least squares of relative differences, channel by channel.

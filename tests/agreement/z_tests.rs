@@ -3,7 +3,7 @@
 //! Their variances are those of X, Y and Z: as files they went through the matrix from XYZ to RGB like colours, which is why some
 //! seem negative. So all is compared in XYZ.
 
-use crate::data_folder::folder;
+use crate::data::data;
 use crate::mitsuba::Peer;
 use crate::scene::scene_of;
 use crate::shots::{Shot, Verdict, limit};
@@ -43,8 +43,8 @@ struct Case {
     scene: &'static str,
     reference: &'static str,
     spp: u32,
-    /// Whether it is to pass; if not, the remarks say why.
-    passes: bool,
+    /// The part of pixels that is to pass Mitsuba's test; where that is less than it wants, the remarks say why.
+    needs: f64,
     remarks: &'static str,
 }
 
@@ -54,7 +54,7 @@ const CASES: [Case; 10] = [
         scene: "scene_path",
         reference: "scene",
         spp: 1024,
-        passes: true,
+        needs: PASSING,
         remarks: "three mirrors in a picture of a room",
     },
     Case {
@@ -62,7 +62,7 @@ const CASES: [Case; 10] = [
         scene: "test_directional_direct",
         reference: "test_directional",
         spp: 256,
-        passes: true,
+        needs: PASSING,
         remarks: "a hard shadow",
     },
     Case {
@@ -70,7 +70,7 @@ const CASES: [Case; 10] = [
         scene: "test_constant_path",
         reference: "test_constant",
         spp: 512,
-        passes: true,
+        needs: PASSING,
         remarks: "thirteen surfaces in white light",
     },
     Case {
@@ -78,7 +78,7 @@ const CASES: [Case; 10] = [
         scene: "test_envmap_path",
         reference: "test_envmap",
         spp: 512,
-        passes: true,
+        needs: PASSING,
         remarks: "the same in a room",
     },
     Case {
@@ -86,7 +86,7 @@ const CASES: [Case; 10] = [
         scene: "test_arealight_path",
         reference: "test_arealight",
         spp: 512,
-        passes: true,
+        needs: PASSING,
         remarks: "the same under a square lamp",
     },
     Case {
@@ -94,7 +94,7 @@ const CASES: [Case; 10] = [
         scene: "test_pointlight_path",
         reference: "test_pointlight",
         spp: 512,
-        passes: true,
+        needs: PASSING,
         remarks: "the same under a point; its light in rough glass and metal is found in few samples",
     },
     Case {
@@ -102,7 +102,7 @@ const CASES: [Case; 10] = [
         scene: "test_normalmap_path",
         reference: "test_normalmap",
         spp: 512,
-        passes: false,
+        needs: 0.99,
         remarks: "a matt relief: Mitsuba darkens it by a shadowing function (Conty Estevez and others 2019), which we lack; without it Mitsuba 3.9 is within 0.1 % of ours in the middle of the ball",
     },
     Case {
@@ -110,7 +110,7 @@ const CASES: [Case; 10] = [
         scene: "test_normalmap_roughconductor_path",
         reference: "test_normalmap_roughconductor",
         spp: 1024,
-        passes: false,
+        needs: 0.975,
         remarks: "a brushed relief: where its normals turn from the viewer, at the rim, Mitsuba mirrors them, and we bend them back; without either Mitsuba 3.9 is within 1 % of ours, the noise of both",
     },
     Case {
@@ -118,7 +118,7 @@ const CASES: [Case; 10] = [
         scene: "test_normalmap_identity_roughconductor_path",
         reference: "test_normalmap_identity_roughconductor",
         spp: 1024,
-        passes: true,
+        needs: PASSING,
         remarks: "brushed metal in three lights",
     },
     Case {
@@ -126,7 +126,7 @@ const CASES: [Case; 10] = [
         scene: "test_roughdielectric_path",
         reference: "test_roughdielectric",
         spp: 512,
-        passes: true,
+        needs: PASSING,
         remarks: "frosted glass in three lights",
     },
 ];
@@ -137,16 +137,19 @@ const THEIR_SAMPLES: f64 = 4096.0;
 /// Their matrices back and forth leave this part of a value unsure: white is (0.950745, 1, 1.088458) in a file of theirs.
 const MATRIX: f64 = 4e-4;
 
+/// How far means may be off where reliefs are of another make or noise is great.
+const MOST_OFF: f64 = 0.1;
+
 /// Part of the pixels that Mitsuba's test wants to pass.
 const PASSING: f64 = 0.9975;
 
 #[test]
 fn small_pictures_pass_the_test_of_mitsuba() {
-    let Some(data) = folder("scenes/mitsuba-tests") else { return };
+    let Some(data) = data("scenes/mitsuba-tests") else { return };
     let mut table = HEAD.to_owned();
     let mut failed = Vec::new();
     for case in &CASES {
-        let Case { folder, scene, reference, spp, passes, remarks } = *case;
+        let Case { folder, scene, reference, spp, needs, remarks } = *case;
         let folder = data.join(folder);
         let peer = Peer::read(&folder.join(format!("{scene}.xml")));
         let spp = samples(spp);
@@ -173,7 +176,8 @@ fn small_pictures_pass_the_test_of_mitsuba() {
         table += &row(reference, spp, &verdict, &remarks);
         // Ten pictures: a pixel, that is three numbers, is beyond the limit in one of them once in ten runs, two once in 2000; means are
         // beyond 3.5 deviations, which are an upper bound, once in 200.
-        if passes && (passing < PASSING || verdict.beyond > 3 || verdict.bias_deviations > 3.5) {
+        let alike = verdict.beyond <= 3 && verdict.bias_deviations <= 3.5;
+        if passing < needs || verdict.bias.abs() > MOST_OFF || (needs >= PASSING && !alike) {
             failed.push(format!("{reference}: {passing} of the pixels, {verdict:?}"));
         }
     }

@@ -1,22 +1,8 @@
-//! Scenes that other renderers have rendered: `shared/data/peer-scenes`, from their own description to a scene file.
+//! Scenes that other renderers have rendered, `peer-scenes` of the data, from their own description to a scene file.
 
 use serde_json::Value;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
-
-/// The folder of these scenes; `None`, with a printed line, where it is absent. `SPECULA_DATA` names another folder than
-/// `../shared/data`.
-#[expect(clippy::print_stdout, reason = "says what was not tested")]
-pub(crate) fn folder() -> Option<PathBuf> {
-    let beside = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data");
-    let data = std::env::var_os("SPECULA_DATA").map_or_else(|| PathBuf::from(beside), PathBuf::from);
-    let folder = data.join("peer-scenes");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    println!("skipped: {} is absent", folder.display());
-    None
-}
+use std::path::Path;
 
 /// A scene file with this table `render`, for a picture of so many pixels along each side.
 ///

@@ -1,5 +1,8 @@
 //! Scenes from text.
 
+#![allow(dead_code, reason = "each program uses a part")]
+
+use specula::film::Film;
 use specula::scene::{self, Scene};
 
 /// The scene that a text describes.
@@ -12,4 +15,10 @@ pub(crate) fn scene_of(text: &str) -> Scene {
     std::fs::write(&path, text).expect("a scene file");
     let loaded = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
     scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+/// All that a film keeps, channel by channel, as bits.
+pub(crate) fn bits(film: &Film) -> Vec<Vec<u32>> {
+    let all = film.layout().aovs().iter().filter_map(|&aov| film.channels(aov)).flatten();
+    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
 }
