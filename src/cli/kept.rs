@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::options::{Checkpoints, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::{Window, atomic};
-use crate::render::{self, Checkpoint, Keeper, State};
+use crate::render::{self, Begin, Checkpoint, Keeper, State};
 use crate::scene::{self, Description};
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
@@ -48,7 +48,7 @@ impl<'a> Kept<'a> {
     }
 
     /// What is there to go on from, if anything. Fails if it is of something else, or is not to be gone on from.
-    pub(super) fn begin(&self) -> Result<Option<(Checkpoint<Box<dyn Read>>, Place)>> {
+    pub(super) fn begin(&self) -> Result<Option<Begin<'static>>> {
         let path = &self.checkpoints.path;
         let place = Place::file(path);
         if !path.exists() {
@@ -71,6 +71,7 @@ impl<'a> Kept<'a> {
         let differences =
             differences.into_iter().map(|told| format!("a checkpoint of another picture: {told}"));
         Problems(differences.map(refused).collect()).into_result(())?;
+        tracing::info!("going on from {} samples in `{}`", checkpoint.samples(), path.display());
         Ok(Some((checkpoint, place)))
     }
 

@@ -32,11 +32,14 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
     render_kept(scene, settings, progress, Kept::default())
 }
 
+/// A copy that was kept, and what it is called.
+pub type Begin<'a> = (Checkpoint<Box<dyn Read + 'a>>, Place);
+
 /// A picture that is not begun from nothing, or of which copies are kept.
 #[derive(Default)]
 pub struct Kept<'a> {
-    /// A copy that was kept of the same picture, from which it goes on, and what it is called.
-    pub begin: Option<(Checkpoint<Box<dyn Read + 'a>>, Place)>,
+    /// A copy of the same picture, from which it goes on.
+    pub begin: Option<Begin<'a>>,
     /// Who keeps copies.
     pub keeper: Option<&'a dyn Keeper>,
 }

@@ -22,7 +22,7 @@ mod slice;
 mod state;
 mod tiles;
 
-pub use dispatch::{Kept, MOST, outline, render, render_kept, render_on};
+pub use dispatch::{Begin, Kept, MOST, outline, render, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};

@@ -54,6 +54,7 @@ impl State {
         let head = json!({
             "kind": "checkpoint",
             "about": about,
+            "samples": film.samples(),
             "things": shares,
             "non_finite": non_finite_to_json(film.non_finite()),
             "counters": counters_to_json(&self.counters),
@@ -102,6 +103,12 @@ impl<R: Read> Checkpoint<R> {
         &self.archive.head["about"]
     }
 
+    /// Samples that had been taken.
+    #[must_use]
+    pub fn samples(&self) -> u64 {
+        self.archive.head["samples"].as_u64().unwrap_or(0)
+    }
+
     /// Reads what there is. Whoever asks has made sure that it is of the same picture.
     pub(super) fn state(
         self,
@@ -114,15 +121,15 @@ impl<R: Read> Checkpoint<R> {
             let odd = || "not what a checkpoint of this picture looks like".to_owned();
             let things = things(&head["things"]).ok_or_else(odd)?;
             let pass = &head["pass"];
-            let shares = pass["tiles"].as_u64().unwrap_or(0);
+            let shares = usize::try_from(pass["tiles"].as_u64().unwrap_or(0)).map_err(|_| odd())?;
             let of_film = Film::bytes(film.window(), film.layout(), things).ok_or_else(odd)?;
             let rest = length.checked_sub(of_film).ok_or_else(odd)?;
-            if shares > tiles.len() as u64 || 12 * shares > rest {
+            if shares > tiles.len() || 12 * shares as u64 > rest {
                 return Err(odd());
             }
             let failed = |error: io::Error| error.to_string();
             film.read(things, from).map_err(failed)?;
-            let shares: Vec<u32> = read_numbers(from, 3 * shares as usize).map_err(failed)?;
+            let shares: Vec<u32> = read_numbers(from, 3 * shares).map_err(failed)?;
             let share = |&[tile, start, end]: &[u32; 3]| {
                 let is_sound = (tile as usize) < tiles.len() && samples.start <= start && start < end;
                 (is_sound && end <= samples.end).then_some((tile as usize, start..end))
