@@ -169,7 +169,7 @@ fn pictures_that_time_ends_count_all_of_it() {
     let scene = scene_of(&room("integrator = \"path\""));
     let limits = Limits { time: Some(Duration::from_millis(900)), error: None };
     let begin = Instant::now();
-    let (resumed, times) = interrupted(&scene, &settings(2, limits), 150_000, Duration::from_secs(3600));
+    let (resumed, times) = interrupted(&scene, &settings(2, limits), 15_000, Duration::from_secs(3600));
     println!("{times} interruptions, {:?}", begin.elapsed());
     assert_eq!(resumed.statistics.ended, Ended::Time, "time");
     let [least, most] = resumed.film.samples_of_pixels();
@@ -181,11 +181,11 @@ fn pictures_that_time_ends_count_all_of_it() {
 
 /// A small checkpoint in the middle of a picture, and that picture.
 fn small() -> (Scene, Settings, Vec<u8>) {
-    let text = room("integrator = \"path\"\nspp = 64").replace("width = 37", "width = 9");
-    let scene = scene_of(&text.replace("height = 21", "height = 7"));
+    let text = room("integrator = \"path\"\nspp = 64").replace("width = 37", "width = 5");
+    let scene = scene_of(&text.replace("height = 21", "height = 4"));
     let settings = settings(1, Limits { time: None, error: Some(1e-9) });
     let keeper = Memory::new(Duration::from_secs(3600));
-    let stop = Stop { left: AtomicU64::new(2000), last: AtomicU64::new(0) };
+    let stop = Stop { left: AtomicU64::new(700), last: AtomicU64::new(0) };
     let kept = Kept { begin: None, keeper: Some(&keeper) };
     let error = render_kept(&scene, &settings, &stop, kept).expect_err("interrupted");
     assert!(matches!(error, Error::Interrupted), "{error}");
@@ -207,11 +207,9 @@ fn damaged_checkpoints_are_refused_whatever_is_wrong_with_them() {
         assert!(error.contains("cut off") || error.contains("not a checkpoint"), "{length}: {error}");
     }
     for at in 0..bytes.len() {
-        for flip in [1, 0x80, 0xff] {
-            let mut other = bytes.clone();
-            other[at] ^= flip;
-            assert!(result(&other).is_err(), "byte {at}");
-        }
+        let mut other = bytes.clone();
+        other[at] ^= 1 << (at % 8);
+        assert!(result(&other).is_err(), "byte {at}");
     }
     let longer = [&bytes[..], &[0]].concat();
     assert!(result(&longer).is_err(), "a byte more");
@@ -278,6 +276,7 @@ fn a_dozen_kills_at_any_time_leave_the_picture_as_it_is() {
     let (status, _, said) = desk.run(&KEPT);
     assert_eq!(status, 0, "{said}");
     println!("{kills} kills, {goes_on} with a checkpoint\n{said}");
+    assert_eq!(desk.names(), ["a.exr", "a.toml", "b.exr"], "killed writers leave nothing");
     assert!(kills >= 3 && goes_on >= 1, "{kills} kills, {goes_on} with a checkpoint");
     assert!(channels(&desk, "a.exr") == channels(&desk, "b.exr"), "to the bit");
     assert!(!desk.path("a.ckpt").exists(), "the checkpoint is gone");
@@ -334,7 +333,7 @@ fn checkpoints_of_anything_else_are_refused_and_the_difference_is_named() {
         let (status, _, said) = desk.run(&words);
         assert_eq!(status, 2, "{more:?}: {said}");
         assert!(said.contains(told) && said.contains("a.ckpt"), "{more:?}: {said}");
-        assert_eq!(said.matches("here").count(), 1, "{more:?}: nothing else differs: {said}");
+        assert_eq!(said.matches("of another picture").count(), 1, "{more:?}: nothing else differs: {said}");
         assert!(std::fs::read(desk.path("a.ckpt")).expect("there") == kept, "{more:?}: untouched");
     };
     refused(&["--spp", "8193"], "`scene.render.spp` is 8192 there and 8193 here");
@@ -384,7 +383,7 @@ impl Drop for Mounted {
 #[cfg(target_os = "linux")]
 #[test]
 fn full_and_read_only_disks_are_told_and_nothing_is_half_written() {
-    for (options, told) in [("size=64k", "No space left"), ("ro", "Read-only")] {
+    for (options, told) in [("size=16k", "No space left"), ("ro", "Read-only")] {
         let desk = Desk::new();
         write_scene(&desk, 512);
         let Some(disk) = Mounted::new(&desk, options) else {

@@ -1,6 +1,6 @@
 //! Files from which pictures go on: checkpoints, and parts to be merged.
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 use std::time::Instant;
@@ -41,7 +41,7 @@ impl<'a> Kept<'a> {
     /// In a file, of what `about` says and these options choose.
     pub(super) fn new(checkpoints: &'a Checkpoints, options: &RenderOptions, mut about: Value) -> Self {
         let corners = |Window { x0, y0, x1, y1 }| [x0, y0, x1, y1];
-        about["crop"] = options.crop.map(corners).into_iter().flatten().collect();
+        about["crop"] = options.crop.map_or(Value::Null, |window| json!(corners(window)));
         about["slice"] = options.slice.map(|slice| format!("{}/{}", slice.index, slice.of)).into();
         about["instruction_set"] = render::lanes().into();
         Self { checkpoints, about }
@@ -77,11 +77,8 @@ impl<'a> Kept<'a> {
 
     /// Takes the file away, now that the picture is there.
     pub(super) fn remove(&self) {
-        match fs::remove_file(&self.checkpoints.path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                tracing::warn!("{}: cannot remove: {error}", self.checkpoints.path.display());
-            }
-            _ => {}
+        if let Err(error) = atomic::remove(&self.checkpoints.path) {
+            tracing::warn!("{}", super::chain(&error));
         }
     }
 }
