@@ -47,7 +47,7 @@ fn world_of(shape: Shape) -> World {
 }
 
 fn race(bench: &mut Bench, count: u32, field: &HeightField) -> Result<(), Box<dyn std::error::Error>> {
-    let mesh = field.mesh(Vec3::ZERO, Vec2::splat(2.0), true);
+    let mesh = field.mesh(Vec3::ZERO, Vec2::splat(2.0), true)?;
     let mesh_bytes = mesh.bytes();
     let grid = Grid::new(field);
     let grid_bytes = grid.bytes();

@@ -23,16 +23,6 @@ impl Place {
     pub fn file(file: impl AsRef<Path>) -> Self {
         Self { file: file.as_ref().into(), line: None, column: None }
     }
-
-    /// The place of a byte offset in the text of a file.
-    pub fn of_offset(file: Arc<Path>, text: &str, offset: usize) -> Self {
-        let before = &text[..text.floor_char_boundary(offset.min(text.len()))];
-        let line_start = before.rfind('\n').map_or(0, |i| i + 1);
-        let count = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-        let line = count(before.matches('\n').count() + 1);
-        let column = count(before[line_start..].chars().count() + 1);
-        Self { file, line: Some(line), column: Some(column) }
-    }
 }
 
 impl fmt::Display for Place {
@@ -98,6 +88,14 @@ impl Problems {
     /// Adds a problem.
     pub fn push(&mut self, problem: Problem) {
         self.0.push(problem);
+    }
+
+    /// Adds the problems that an error holds; an error of another kind is one problem at `place`.
+    pub fn absorb(&mut self, error: Error, place: Option<&Place>) {
+        match error {
+            Error::Input(more) => self.0.extend(more.0),
+            other => self.push(Problem { place: place.cloned(), ..Problem::new(other.to_string()) }),
+        }
     }
 
     /// `value` if nothing was wrong, else all that was.
@@ -168,16 +166,6 @@ pub type Result<T> = std::result::Result<T, Error>;
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn places_count_lines_and_characters_from_one() {
-        let text = "a\nβγ = 1\n";
-        let file: Arc<Path> = Path::new("a.toml").into();
-        let at = |offset| Place::of_offset(file.clone(), text, offset).to_string();
-        assert_eq!(at(0), "a.toml:1:1", "start");
-        assert_eq!(at(text.find('=').expect("there")), "a.toml:2:4", "after two letters of two bytes");
-        assert_eq!(at(1000), "a.toml:3:1", "past the end");
-    }
 
     #[test]
     fn problems_name_place_and_remedy() {

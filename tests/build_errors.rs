@@ -138,3 +138,58 @@ fn pictures_that_are_no_heights_are_refused_with_place_and_remedy() {
     );
     assert_eq!(problems(&scene(&picture(2, 2, &[0.0; 4])), &[]), "", "a flat field");
 }
+
+#[test]
+fn shapes_made_of_numbers_that_are_too_large_are_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let heights = folder.path().join("a.png");
+    image::GrayImage::from_pixel(2, 2, image::Luma([255])).save(&heights).expect("a picture");
+    let shapes = [
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"rectangle\"\nedge_u = [1e19, 0, 0]\nedge_v = [0, 1, 0]".to_owned(),
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"rectangle\"\nedge_u = [3e38, 0, 0]\nedge_v = [3e38, 3e38, 0]".to_owned(),
+        "[[shapes]]\nmaterial = \"m\"\ntype = \"box\"\nmin = [0, 0, 0]\nmax = [1e19, 1, 1]".to_owned(),
+        "[[lights]]\ntype = \"rectangle\"\ncenter = [0, 0, 2e18]\nedge_u = [1, 0, 0]\nedge_v = [0, 1, 0]\nradiance = 1"
+            .to_owned(),
+        format!(
+            "[[shapes]]\nmaterial = \"m\"\ntype = \"height_field\"\nheight = [0, 1e19]\nfile = \"{}\"",
+            heights.display()
+        ),
+    ];
+    for shape in shapes {
+        let found = problems(&format!("[materials.m]\ntype = \"diffuse\"\n{shape}\n"), &[]);
+        assert!(found.starts_with("scene.toml:3:1: vertex "), "{shape}\n{found}");
+        assert!(found.ends_with("; scale the scene down") && found.lines().count() == 1, "{shape}\n{found}");
+    }
+}
+
+const LAMP: &str = "newmtl a\nKe 1 1 1\nnewmtl b\nKe 2 2 2\nnewmtl c\nKd 1 1 1\n";
+
+#[test]
+fn meshes_that_shine_in_parts_are_told_why_they_cannot() {
+    let text = "[[shapes]]\ntype = \"mesh\"\nfile = \"a.obj\"\n";
+    let mesh = |second: &str| {
+        format!("mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl {second}\nf 1 3 2\n")
+    };
+    let found = |second: &str| problems(text, &[("a.obj", &mesh(second)), ("a.mtl", LAMP)]);
+    assert_eq!(
+        found("b"),
+        "scene.toml:1:1: a mesh that emits in more than one material cannot be asked for light; \
+         split it into a file for each of them"
+    );
+    assert_eq!(
+        found("c"),
+        "scene.toml:1:1: a mesh that emits in some of its groups only cannot be asked for light; \
+         split the emitting part off into a file of its own"
+    );
+}
+
+#[test]
+fn a_mesh_light_beyond_all_numbers_is_told() {
+    let text = "[camera]\nfrom = [-5e34, 0, 0]\nat = [-4.999999999999999e34, 0, 0]\n[[lights]]\ntype = \"mesh\"\nfile = \"a.obj\"\n\
+                radiance = 1\ntransform = [{ translate = [3.4028234e38, 0, 0] }]\n";
+    let found = problems(text, &[("a.obj", TRIANGLE)]);
+    assert!(
+        found.contains("scene.toml:4:1: a mesh light is carried infinitely far from the camera"),
+        "{found}"
+    );
+}

@@ -263,7 +263,7 @@ fn a_dozen_kills_at_any_time_leave_the_picture_as_it_is() {
     let (mut kills, mut goes_on) = (0, 0);
     for _ in 0..12 {
         let mut child = spawn(&desk, &KEPT);
-        std::thread::sleep(Duration::from_millis(100 + (500.0 * f64::from(random.unit())) as u64));
+        std::thread::sleep(Duration::from_secs_f32(0.1 + 0.5 * random.unit()));
         if child.try_wait().expect("known").is_some() {
             break;
         }

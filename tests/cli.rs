@@ -199,6 +199,12 @@ fn flags_override_the_scene_and_the_metadata_tell() {
     for (key, value) in wanted {
         assert_eq!(picture.attribute(key), Some(value), "{key}");
     }
+    let hash = picture.attribute("specula:scene_hash").expect("a hash");
+    assert!(hash.len() == 32 && hash.chars().all(|c| c.is_ascii_hexdigit()), "{hash}");
+    let plan: serde_json::Value =
+        serde_json::from_str(picture.attribute("specula:plan").expect("a plan")).expect("JSON");
+    let backend = plan.pointer("/backend/name").and_then(serde_json::Value::as_str);
+    assert_eq!((backend, plan["spp"].as_u64()), (Some("brute"), Some(2)), "{plan}");
 }
 
 #[test]
@@ -291,6 +297,10 @@ fn statistics_are_json_with_times_and_rays() {
     assert!(at("/peak_rss_bytes").as_u64() > Some(1 << 20) && at("/bvh_bytes").as_u64() > Some(0), "{text}");
     assert_eq!((at("/threads"), at("/non_finite/count")), (&2.into(), &0.into()), "threads, non-finite");
     assert!(at("/pruned/by_depth").is_u64() && at("/pruned/by_attenuation").is_u64(), "{text}");
+    assert_eq!(at("/scene_hash").as_str().map(str::len), Some(32), "{text}");
+    let (status, planned, stderr) = place.run(&["plan", "ball.toml", "--json"]);
+    assert_eq!(status, 0, "{stderr}");
+    assert_eq!(*at("/plan"), serde_json::from_str::<serde_json::Value>(&planned).expect("JSON"), "the plan");
 }
 
 #[test]
@@ -457,4 +467,34 @@ fn scenes_are_found_relative_to_where_the_program_runs() {
     let (status, stdout, stderr) =
         place.run(&["render", &Path::new("sub/ball.toml").display().to_string(), "-q"]);
     assert_eq!((status, stdout.as_str()), (0, "ball.exr\nball.png\n"), "{stderr}");
+}
+
+#[test]
+fn nothing_that_is_read_is_overwritten_and_nothing_is_written_twice() {
+    let place = place();
+    let cases: [(&[&str], &[&str]); 8] = [
+        (&["render", "ball.toml", "--stats", "ball.toml"], &["`ball.toml` is read and would be overwritten"]),
+        (&["render", "ball.toml", "--stats", "./ball.toml"], &["`./ball.toml` is read and would"]),
+        (&["render", "ball.toml", "-o", "a.exr", "-o", "./a.exr"], &["`./a.exr` would be written twice"]),
+        (
+            &["render", "ball.toml", "-o", "a.exr", "--stats", "./a.exr"],
+            &["`./a.exr` would be written twice"],
+        ),
+        (&["bench", "ball.toml", "--report", "ball.toml"], &["`ball.toml` is read and would be overwritten"]),
+        (&["bench", "ball.toml", "--record", "./ball.toml"], &["`./ball.toml` is read and would"]),
+        (&["bench", "ball.toml", "--report", "a", "--record", "./a"], &["`a` would be written twice"]),
+        (
+            &["bench", "ball.toml", "--replay", "ball.toml", "--report", "ball.toml"],
+            &["`ball.toml` is read and would be overwritten"],
+        ),
+    ];
+    for (words, parts) in cases {
+        let (status, stdout, stderr) = place.run(words);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{words:?}: {stderr}");
+        for part in parts {
+            assert!(stderr.contains(part), "{words:?}: `{part}` in {stderr}");
+        }
+        assert_eq!(fs::read(place.path("ball.toml")).expect("there"), BALL.as_bytes(), "{words:?}");
+    }
+    assert_eq!(place.names(), ["ball.toml"], "nothing was written");
 }

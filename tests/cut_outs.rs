@@ -5,6 +5,8 @@ mod folder;
 
 use folder::{Folder, WAYS, frontal, picture, square};
 use image::{GrayImage, Luma, Rgba, RgbaImage};
+use specula::image::Window;
+use specula::image::exr::{self, Channel, Picture, Samples};
 use specula::math::Rgb;
 
 const BACKENDS: [&str; 4] = ["embree", "bvh2", "cwbvh", "brute"];
@@ -172,4 +174,38 @@ fn obj_files_bring_pictures_and_holes() {
         warnings.iter().any(|w| w.contains("leaf.mtl:2:") && w.contains("not a sound PNG")),
         "{warnings:?}"
     );
+}
+
+#[test]
+fn holes_are_holes_at_every_depth() {
+    let folder = folder();
+    let there = |x: u32| x >= 8;
+    let deep =
+        image::ImageBuffer::from_fn(16, 2, |x, _| Rgba([0xffff_u16, 0, 0, u16::from(there(x)) * 0xffff]));
+    deep.save(folder.path().join("deep.png")).expect("written");
+    let numbers: Vec<f32> = (0..32).map(|i| f32::from(u8::from(there(i % 16)))).collect();
+    for name in ["half.exr", "float.exr"] {
+        let samples =
+            |numbers| if name == "half.exr" { Samples::Half(numbers) } else { Samples::Float(numbers) };
+        let channel = |name: &str| Channel { name: name.into(), samples: samples(numbers.clone()) };
+        let picture = Picture {
+            full: [16, 2],
+            window: Window::whole(16, 2),
+            channels: ["R", "G", "B", "A"].map(channel).to_vec(),
+            attributes: vec![],
+            warnings: vec![],
+        };
+        exr::write(&folder.path().join(name), picture).expect("written");
+    }
+    for way in WAYS {
+        let shown = |file: &str| {
+            let cut = CUT.replace("half.png", file);
+            picture(&folder.scene(&frontal(way, &format!("{WALL}{cut}"))))
+        };
+        let expected = shown("covered.png");
+        assert!(expected.pixel(2, 8).g < 1e-3 && expected.pixel(13, 8).g > 0.99, "{way}: there is a hole");
+        for file in ["deep.png", "half.exr", "float.exr"] {
+            assert_eq!(shown(file).pixels(), expected.pixels(), "{way}: {file}");
+        }
+    }
 }

@@ -4,6 +4,7 @@
 
 use glam::DVec3;
 use specula::film::Aov;
+use specula::light::Light;
 use specula::render::{Settings, Silent, render};
 use specula::scene::description::Normals;
 use specula::scene::load::load_mesh;
@@ -284,5 +285,46 @@ fn a_mesh_far_from_the_origin_of_its_file_keeps_its_form() {
             let off = (*q - DVec3::from(shift) - *p).abs().max_element();
             assert!(off <= 1e-7, "{name}: {q} is {off:e} off, which single precision rounds to 0.5");
         }
+    }
+}
+
+/// The scene that a text describes.
+fn scene_of(text: &str) -> scene::Scene {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.toml");
+    std::fs::write(&path, text).expect("a scene file");
+    let loaded = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+    scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+#[test]
+fn directions_are_known_between_places_that_round_to_one_and_at_any_length() {
+    let spot = "[[lights]]\ntype = 'spot'\nintensity = 1\nposition = [1000, 0, 1]\nat = [999.99999, 0, 1]\n";
+    let Light::Spot(spot) = &scene_of(spot).lights[0] else { panic!("another light") };
+    assert!(glam::Vec3::from(spot.axis).abs_diff_eq(-glam::Vec3::X, 1e-6), "{spot:?}");
+    for length in ["1e30", "1e-30"] {
+        let sun =
+            format!("[[lights]]\ntype = 'directional'\nirradiance = 1\ndirection = [0, -{length}, 0]\n");
+        let Light::Directional(sun) = &scene_of(&sun).lights[0] else { panic!("another light") };
+        assert_eq!(glam::Vec3::from(sun.direction), -glam::Vec3::Y, "{length}");
+        let disc = format!(
+            "[[lights]]\ntype = 'disc'\ncenter = [0, 0, 0]\nradius = 1\nradiance = 1\nnormal = [0, 0, {length}]\n\
+             [camera]\nup = [0, {length}, 0]\n"
+        );
+        let scene = scene_of(&disc);
+        let Light::Disc(_) = &scene.lights[0] else { panic!("another light") };
+        let specula::geometry::Shape::Disc(disc) = &scene.world.shapes[0] else { panic!("another shape") };
+        assert_eq!(disc.normal, glam::Vec3::Z, "{length}");
+        assert!(scene.camera.ray([0.0, 0.0], [0.5; 2], 0.0).d.is_normalized(), "{length}: the camera");
+    }
+    let keys = "[camera]\nfrom = [0, 0, 0]\nat = [0, 0, -1]\nshutter_close_s = 1\nkeys = [{ time_s = 0 }, \
+                { time_s = 1, from = [1000, 0, 0], at = [1000, 0, -1e-5], up = [0, 1, 0] }]\n";
+    let ray = |time| {
+        let scene = scene_of(keys);
+        let [width, height] = [scene.film.width, scene.film.height].map(|n| n as f32);
+        scene.camera.ray([0.5 * width, 0.5 * height], [0.5; 2], time)
+    };
+    for time in [0.0, 0.5, 1.0] {
+        assert!(ray(time).d.abs_diff_eq(-glam::Vec3::Z, 1e-6), "the view at {time}: {:?}", ray(time));
     }
 }

@@ -146,6 +146,37 @@ const CASES: &[Case] = &[
         &["scene.toml:3:6: `at` is where the camera stands; give another point to look at"],
     ),
     file(
+        "a camera that looks nearly nowhere",
+        "[camera]\nfrom = [0, 0, 0]\nat = [0, 0, 1e-50]\n",
+        &["scene.toml:3:6: `at` is where the camera stands; give another point to look at"],
+    ),
+    file(
+        "a camera that looks too near or too far",
+        "[camera]\nfrom = [0, 0, 0]\nat = [0, 0, 1e-30]\nshutter_close_s = 1\nkeys = [{ time_s = 0 }, { time_s = 1, at = [0, 0, 1e30] }]\n",
+        &[
+            "scene.toml:3:6: `at` is too near to the camera, or too far away, for single precision; give another point to look at",
+            "scene.toml:5:9: `at` is too near to the camera, or too far away, for single precision; give another point to look at",
+            "scene.toml:5:44: `at` is too near to the camera, or too far away, for single precision; give another point to look at",
+        ],
+    ),
+    Case {
+        name: "mirrored reliefs",
+        text: "[materials]\na = { type = 'diffuse', bump = { file = 'a.png', repeat = [1, -2] } }\n\
+               b = { type = 'diffuse', normal_map = { file = 'a.png', repeat = [0, 1] } }\n\
+               c = { type = 'diffuse', reflectance = { file = 'a.png', repeat = [1, -2] } }\n",
+        more: &[("a.png", "")],
+        overrides: &[],
+        messages: &[
+            "scene.toml:2:59: `repeat` of a relief is not above 0; give positive numbers",
+            "scene.toml:3:65: `repeat` of a relief is not above 0; give positive numbers",
+        ],
+    },
+    file(
+        "a spot that aims nearly nowhere",
+        "[[lights]]\ntype = 'spot'\nintensity = 1\nposition = [0, 0, 0]\nat = [0, 0, 1e-50]\n",
+        &["scene.toml:5:6: `at` is where the light stands; give another point to aim at"],
+    ),
+    file(
         "a camera that looks up",
         "[camera]\nfrom = [0, 0, 0]\nat = [0, 2, 0]\n",
         &["scene.toml:1:1: `up` points along the view; give another direction"],

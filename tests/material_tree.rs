@@ -325,3 +325,28 @@ fn brushed_metal_stretches_highlights_across_the_grain() {
     let even = [lit("0.2", 30.0, side), lit("0.2", 0.0, top)];
     assert!((even[0] / even[1] - 1.0).abs() < 1e-3, "one width has no grain: {even:?}");
 }
+
+#[test]
+fn what_a_mix_leaves_of_its_parts_is_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    image::GrayImage::from_pixel(2, 2, image::Luma([255]))
+        .save(folder.path().join("a.png"))
+        .expect("a picture");
+    for key in ["bump", "normal_map", "opacity"] {
+        let text = format!(
+            "[materials]\nmatt = {{ type = 'diffuse', {key} = {{ file = 'a.png' }} }}\n\
+             mix = {{ type = 'mix', parts = [{{ material = 'matt' }}] }}\n"
+        );
+        let path = folder.path().join("scene.toml");
+        std::fs::write(&path, text).expect("a scene file");
+        let loaded = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let built = scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"));
+        let [warning] = &built.warnings[..] else { panic!("{key}: {:?}", built.warnings) };
+        let warning = warning.to_string();
+        assert!(
+            warning.contains("scene.toml:3:45: ")
+                && warning.contains("holes of `matt` are not those of the mix"),
+            "{key}: {warning}"
+        );
+    }
+}

@@ -73,6 +73,16 @@ fn texels_are_themselves_in_their_middle_and_v_goes_up() {
     }
 }
 
+#[test]
+fn parameters_that_overflow_are_the_edge() {
+    for wrap in WRAPS {
+        let mut map = mapped(four(), wrap);
+        map.repeat = glam::Vec2::splat(1e6);
+        let texel = map.at(Spot::from([3e38_f32, 1e38]));
+        assert!(texel.iter().all(|x| (0.0..=1.0).contains(x)), "{wrap:?}: {texel:?}");
+    }
+}
+
 /// Column and row that a whole number means beyond the edges.
 fn wrapped(wrap: Wrap, i: i64, size: i64) -> i64 {
     match wrap {
@@ -466,5 +476,35 @@ fn fine_patterns_are_seen_as_their_mean() {
             assert!((mean - 0.5).abs() < 0.02, "{name}, {way}: the mean is {mean}");
             assert!(deviation < 0.05, "{name}, {way}: pixels deviate by {deviation}");
         }
+    }
+}
+
+#[test]
+fn damaged_pictures_of_mtl_files_are_done_without_and_told() {
+    let folder = Folder::new();
+    std::fs::write(folder.path().join("bad.png"), b"rubbish").expect("written");
+    folder.write("a.obj", "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+    let text = folder::frontal(WAYS[0], "[[shapes]]\ntype = \"mesh\"\nfile = \"a.obj\"");
+    let without = [
+        ("map_Kd", "the surface is made gray"),
+        ("map_Ke", "the surface does not shine by it"),
+        ("map_d", "the surface is left whole"),
+        ("norm", "the surface is left even"),
+        ("map_Bump", "the surface is left even"),
+    ];
+    for (keyword, what) in without {
+        folder.write("a.mtl", &format!("newmtl m\nKd 0.5 0.5 0.5\n{keyword} bad.png\n"));
+        let built = folder.load(&text).expect("a scene");
+        let [warning] = &built.warnings[..] else { panic!("{keyword}: {:?}", built.warnings) };
+        let warning = warning.to_string();
+        assert!(
+            warning.contains("a.mtl:3: ")
+                && warning.contains("not a sound PNG picture")
+                && warning.ends_with(what),
+            "{keyword}: {warning}"
+        );
+        let material = &built.scene.materials[0];
+        assert_eq!(material.emission, None, "{keyword}: a lamp");
+        assert!(material.relief.is_none() && material.opacity.is_none(), "{keyword}: {material:?}");
     }
 }

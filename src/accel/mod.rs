@@ -81,10 +81,7 @@ pub trait Accel: Send + Sync {
         packet: &mut Packet<N>,
         _coherence: Coherence,
     ) {
-        for lane in active.lanes() {
-            let hit = self.intersect(&packet.ray.get(lane));
-            packet.set_hit(lane, hit.as_ref());
-        }
+        packet::intersect_one_by_one(active, packet, |ray| self.intersect(ray));
     }
 
     /// Whether anything lies within the range of each active lane: those lanes' `t_max` becomes negative infinity.
@@ -94,11 +91,7 @@ pub trait Accel: Send + Sync {
         rays: &mut RayPacket<N>,
         _coherence: Coherence,
     ) {
-        for lane in active.lanes() {
-            if self.occluded(&rays.get(lane)) {
-                rays.t_max[lane] = f32::NEG_INFINITY;
-            }
-        }
+        packet::occluded_one_by_one(active, rays, |ray| self.occluded(ray));
     }
 
     /// The nearest hit of every ray; `hits` is resized to match.

@@ -129,10 +129,8 @@ impl<const N: usize> RayPacket<N> {
     pub fn get(&self, lane: usize) -> Ray {
         let o = Vec3::new(self.o_x[lane], self.o_y[lane], self.o_z[lane]);
         let d = Vec3::new(self.d_x[lane], self.d_y[lane], self.d_z[lane]);
-        let mut ray = Ray::new(o, d).until(self.t_max[lane]).at_time(self.time[lane]);
-        ray.t_min = self.t_min[lane];
-        ray.mask = self.mask[lane];
-        ray
+        let ray = Ray::new(o, d).starting(self.t_min[lane]).until(self.t_max[lane]);
+        ray.at_time(self.time[lane]).seeing(self.mask[lane])
     }
 }
 
@@ -197,5 +195,32 @@ impl<const N: usize> Packet<N> {
         self.hit.prim[lane] = hit.prim;
         self.hit.geometry[lane] = hit.placement.0;
         self.hit.instance[lane] = NONE;
+    }
+}
+
+/// The nearest hit of each active lane, by a query for one ray.
+#[inline]
+pub(super) fn intersect_one_by_one<const N: usize>(
+    active: &Active<N>,
+    packet: &mut Packet<N>,
+    intersect: impl Fn(&Ray) -> Option<Hit>,
+) {
+    for lane in active.lanes() {
+        let hit = intersect(&packet.ray.get(lane));
+        packet.set_hit(lane, hit.as_ref());
+    }
+}
+
+/// Whether anything lies within the range of each active lane, by a query for one ray.
+#[inline]
+pub(super) fn occluded_one_by_one<const N: usize>(
+    active: &Active<N>,
+    rays: &mut RayPacket<N>,
+    occluded: impl Fn(&Ray) -> bool,
+) {
+    for lane in active.lanes() {
+        if occluded(&rays.get(lane)) {
+            rays.t_max[lane] = f32::NEG_INFINITY;
+        }
     }
 }

@@ -53,11 +53,8 @@ impl RayStream {
     #[must_use]
     pub fn get(&self, i: usize) -> Ray {
         let component = |v: &[Vec<f32>; 3]| Vec3::new(v[0][i], v[1][i], v[2][i]);
-        let mut ray =
-            Ray::new(component(&self.o), component(&self.d)).until(self.t_max[i]).at_time(self.time[i]);
-        ray.t_min = self.t_min[i];
-        ray.mask = self.mask[i];
-        ray
+        let ray = Ray::new(component(&self.o), component(&self.d));
+        ray.starting(self.t_min[i]).until(self.t_max[i]).at_time(self.time[i]).seeing(self.mask[i])
     }
 }
 

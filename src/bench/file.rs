@@ -188,8 +188,7 @@ impl<'a> Reader<'a> {
         };
         let ray = |i: usize| {
             let [o, d] = [0, 3].map(|first| Vec3::new(at(first, i), at(first + 1, i), at(first + 2, i)));
-            let mut ray = Ray::new(o, d).until(at(7, i)).at_time(at(8, i));
-            ray.t_min = at(6, i);
+            let ray = Ray::new(o, d).starting(at(6, i)).until(at(7, i)).at_time(at(8, i));
             fault_of(&ray).map_or(Ok(ray), |(array, what)| {
                 Err(Fault {
                     at: start + 4 * (array * count + i),

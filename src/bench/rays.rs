@@ -45,12 +45,6 @@ impl Class {
             Self::Random => "random",
         }
     }
-
-    /// The class of that name.
-    #[must_use]
-    pub fn of(word: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|class| class.word() == word)
-    }
 }
 
 /// Rays of one class, in the order in which they are asked for.
@@ -95,14 +89,6 @@ pub(super) fn stream(rays: &[Ray]) -> RayStream {
 mod tests {
     use super::*;
     use glam::Vec3;
-
-    #[test]
-    fn names_lead_back_to_their_classes() {
-        for class in Class::ALL {
-            assert_eq!(Class::of(class.word()), Some(class), "{class:?}");
-        }
-        assert_eq!(Class::of("diffuse5"), None, "there is none");
-    }
 
     #[test]
     fn the_last_packet_may_be_short() {

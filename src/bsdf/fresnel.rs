@@ -156,12 +156,6 @@ pub fn average_outside(n: f64) -> f64 {
         + 8.0 * n4 * (n4 + 1.0) / ((n2 + 1.0) * (n4 - 1.0).powi(2)) * n.ln()
 }
 
-/// [`average_outside`] seen from within the denser medium.
-#[must_use]
-pub fn average_inside(n: f64) -> f64 {
-    1.0 - (1.0 - average_outside(n)) / (n * n)
-}
-
 /// By the factors that do not cancel near 1.
 fn average_by_quadrature(n: f64) -> f64 {
     let d = (n - 1.0) * (n + 1.0);

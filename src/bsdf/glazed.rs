@@ -21,9 +21,8 @@ impl Coat {
     /// nothing.
     #[must_use]
     pub fn new(model: FresnelModel, ior: f32) -> Self {
-        let n = f64::from(ior);
         #[expect(clippy::cast_possible_truncation, reason = "a reflectance needs no more digits")]
-        let inside = (1.0 - (1.0 - model.average_outside(n)) / (n * n)) as f32;
+        let inside = model.average_inside(ior.into()) as f32;
         Self { ior, glass: Glass::new(model, ior), inside }
     }
 

@@ -168,44 +168,24 @@ impl<F: Lanes> Lobe<F> for ThinDielectric<F> {
     }
 }
 
-impl<F: Lanes> Lobe<F> for Over<Glossy<F>, F> {
-    const LOBES: Lobes = Lobes::GLOSSY.and(Lobes::DIFFUSE);
-    one_glossy_lobe!(lobe);
-    #[inline(always)]
-    fn eval_diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        self.base.eval(wo, wi)
-    }
-    #[inline(always)]
-    fn glossy_albedo(&self, wo: Vec3<F>) -> [F; 2] {
-        [self.lobe.reflectance.max_channel(), wo.z.splat(0.0)]
-    }
+/// Lobes that may lie over a matt base.
+macro_rules! over_matt {
+    ($($Lobe:ident),+) => { $(
+        impl<F: Lanes> Lobe<F> for Over<$Lobe<F>, F> {
+            const LOBES: Lobes = Lobes::GLOSSY.and(Lobes::DIFFUSE);
+            one_glossy_lobe!(lobe);
+            #[inline(always)]
+            fn eval_diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
+                self.base.eval(wo, wi)
+            }
+            #[inline(always)]
+            fn glossy_albedo(&self, wo: Vec3<F>) -> [F; 2] {
+                [self.lobe.reflectance.max_channel(), wo.z.splat(0.0)]
+            }
+        }
+    )+ };
 }
-
-impl<F: Lanes> Lobe<F> for Over<Phong<F>, F> {
-    const LOBES: Lobes = Lobes::GLOSSY.and(Lobes::DIFFUSE);
-    one_glossy_lobe!(lobe);
-    #[inline(always)]
-    fn eval_diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        self.base.eval(wo, wi)
-    }
-    #[inline(always)]
-    fn glossy_albedo(&self, wo: Vec3<F>) -> [F; 2] {
-        [self.lobe.reflectance.max_channel(), wo.z.splat(0.0)]
-    }
-}
-
-impl<F: Lanes> Lobe<F> for Over<Jitter<F>, F> {
-    const LOBES: Lobes = Lobes::GLOSSY.and(Lobes::DIFFUSE);
-    one_glossy_lobe!(lobe);
-    #[inline(always)]
-    fn eval_diffuse(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        self.base.eval(wo, wi)
-    }
-    #[inline(always)]
-    fn glossy_albedo(&self, wo: Vec3<F>) -> [F; 2] {
-        [self.lobe.reflectance.max_channel(), wo.z.splat(0.0)]
-    }
-}
+over_matt!(Glossy, Phong, Jitter);
 
 impl<F: Lanes> Lobe<F> for Glazed<F> {
     const LOBES: Lobes = Lobes::SPECULAR.and(Lobes::DIFFUSE);

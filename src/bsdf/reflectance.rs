@@ -52,6 +52,13 @@ impl FresnelModel {
             }
         }
     }
+
+    /// The same seen from within: of light that is alike in all directions there, n^2 times as much is within the cone that gets
+    /// out as comes in.
+    #[must_use]
+    pub fn average_inside(self, n: f64) -> f64 {
+        1.0 - (1.0 - self.average_outside(n)) / (n * n)
+    }
 }
 
 /// The reflectance of a metal.

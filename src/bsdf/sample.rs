@@ -15,12 +15,10 @@ impl Lobes {
     pub const DIFFUSE: Self = Self(1);
     /// Spread about the mirror direction.
     pub const GLOSSY: Self = Self(2);
-    /// Exactly one direction: [`crate::bsdf::Bsdf::eval`] is zero.
+    /// Exactly one direction, which is asked for as a [`Branch`].
     pub const SPECULAR: Self = Self(4);
     /// Spread about the refracted direction, below the surface.
     pub const THROUGH: Self = Self(8);
-    /// Everything.
-    pub const ALL: Self = Self(15);
 
     /// Both sets together.
     #[must_use]
@@ -43,14 +41,14 @@ impl BitOr for Lobes {
     }
 }
 
-/// A direction drawn from a lobe.
+/// A direction drawn from a lobe that is spread; specular ones have branches.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample<F: Lanes> {
     /// Unit direction towards the light, local.
     pub wi: Vec3<F>,
-    /// f |cos theta_i| / pdf; for a specular lobe the factor on radiance over the probability of its choice.
+    /// f |cos theta_i| / pdf.
     pub weight: Rgb<F>,
-    /// Density with respect to solid angle; for a specular lobe the probability of its choice.
+    /// Density with respect to solid angle.
     pub pdf: F,
     /// Where a direction was found at all.
     pub valid: F::Mask,

@@ -136,9 +136,8 @@ pub struct RenderArgs {
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
 
-    /// Further outputs of the EXR file, `cryptomatte` both of its kinds: direct, indirect, albedo, normal, geometric_normal, depth, position, uv, variance, samples, object_id,
-    /// material_id, crypto_object, crypto_material
-    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words::of(&Aov::ALL, Aov::name))]
+    /// Further outputs of the EXR file; `cryptomatte` stands for both of its kinds
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
     pub aov: Vec<String>,
 
     /// Render only these pixels, the upper ends excluded
@@ -421,6 +420,14 @@ pub enum LogLevel {
     Trace,
 }
 
+/// All outputs that are mattes.
+pub(super) const CRYPTOMATTE: &str = "cryptomatte";
+
+/// What `--aov` knows.
+pub(super) fn further_outputs() -> Vec<&'static str> {
+    Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect()
+}
+
 /// Any string; the words that make sense are shown in help and completed by shells. Wrong ones are left to the check of
 /// the scene file, so that all problems are told at once and alike.
 #[derive(Clone, Debug)]
@@ -467,6 +474,9 @@ mod tests {
         assert_eq!(args.backend.as_deref(), Some("abacus"), "kept for the check of the scene");
         let help = Args::try_parse_from(["specula", "render", "-h"]).expect_err("help").to_string();
         assert!(help.contains("[possible values: embree, bvh2, cwbvh, brute]"), "{help}");
+        let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(help.contains("crypto_object, crypto_material, cryptomatte]"), "{help}");
+        assert_eq!(help.matches("geometric_normal").count(), 1, "outputs are named once: {help}");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::io::Write as _;
 use std::path::Path;
 
 use super::args::BenchArgs;
+use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::options::BenchOptions;
 use super::progress::Meter;
@@ -13,7 +14,7 @@ use crate::bench::machine::{self, Machine};
 use crate::bench::{Outcome, Report, Track, Watch};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::atomic;
-use crate::scene::{self, Scene};
+use crate::scene::Scene;
 
 /// Races on every scene and prints what came out.
 pub(super) fn run(args: &BenchArgs) -> Result<()> {
@@ -48,22 +49,13 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
 fn load_all(options: &BenchOptions) -> Result<Vec<Scene>> {
     let (mut scenes, mut problems) = (Vec::new(), Problems::default());
     for path in &options.scenes {
-        match load(path, &options.overrides) {
-            Ok(scene) => scenes.push(scene),
+        match Frozen::told(path, &options.overrides) {
+            Ok(frozen) => scenes.push(frozen.scene),
             Err(Error::Input(more)) => problems.0.extend(more.0),
             Err(error) => return Err(error),
         }
     }
     problems.into_result(scenes)
-}
-
-fn load(path: &Path, overrides: &[String]) -> Result<Scene> {
-    tracing::debug!("reading {}", path.display());
-    let loaded = scene::load(path, overrides)?;
-    log::warn(&loaded.warnings);
-    let built = scene::build(&loaded.description)?;
-    log::warn(&built.warnings);
-    Ok(built.scene)
 }
 
 /// What of a file of rays is wanted: all of it, but for a choice of classes.

@@ -7,22 +7,19 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
+use super::frozen::Frozen;
 use super::options::{Checkpoints, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::{Window, atomic};
 use crate::render::{self, Begin, Checkpoint, Keeper, State};
-use crate::scene::{self, Description};
+use crate::scene;
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
-pub(super) fn about(
-    options: &RenderOptions,
-    description: &Description,
-    files: &[std::path::PathBuf],
-) -> Result<Value> {
-    let folder = options.scene.parent().unwrap_or(Path::new(""));
-    let mut about = scene::identity(description, folder, files)?;
+pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
+    let folder = frozen.path.parent().unwrap_or(Path::new(""));
+    let mut about = scene::identity(&frozen.description, folder, &frozen.files)?;
     about["version"] = env!("CARGO_PKG_VERSION").into();
-    about["scene_hash"] = scene::fingerprint(description, folder).into();
+    about["scene_hash"] = frozen.hash.clone().into();
     about["outputs"] = options.layout.aovs().iter().map(|aov| aov.name()).collect();
     about["time_limit_s"] = options.limits.time.map(|time| time.as_secs_f64()).into();
     about["target_error"] = options.limits.error.into();

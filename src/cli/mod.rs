@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod diff;
 mod documents;
+mod frozen;
 mod interrupt;
 mod kept;
 mod log;

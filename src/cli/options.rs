@@ -10,8 +10,8 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::args::{DiffArgs, RenderArgs};
-use crate::error::{Error, Place, Problem, Problems, Result};
+use super::args::{CRYPTOMATTE, DiffArgs, RenderArgs, further_outputs};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
@@ -66,10 +66,15 @@ impl RenderOptions {
         let others: Vec<&PathBuf> = parts.iter().chain(&args.stats).chain(&args.checkpoint).collect();
         for (i, path) in others.iter().enumerate() {
             check_target(path, &mut problems);
-            if others[..i].contains(path) || outputs.iter().any(|output| output.path == **path) {
+            let is_taken = |other: &PathBuf| is_same(other, path);
+            if others[..i].iter().any(|other| is_taken(other))
+                || outputs.iter().any(|output| is_taken(&output.path))
+            {
                 problems.push(twice(path));
             }
         }
+        let targets = outputs.iter().map(|output| &output.path).chain(others);
+        targets.for_each(|target| spare([&args.scene], target, &mut problems));
         let options = Self {
             scene: args.scene.clone(),
             outputs,
@@ -81,7 +86,7 @@ impl RenderOptions {
             layout: layout(&args.aov, &mut problems),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
-                time: args.time_limit.as_deref().and_then(|text| time("--time-limit", text, &mut problems)),
+                time: args.time_limit.as_deref().and_then(|text| time("time-limit", text, &mut problems)),
                 error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
             },
             precision: if args.half { Precision::Half } else { Precision::Float },
@@ -112,12 +117,7 @@ impl DiffOptions {
         let inputs = [&args.test, &args.reference];
         inputs.into_iter().for_each(|path| check_input(path, &mut problems));
         let outputs = outputs(args.output.clone(), &mut problems);
-        for output in &outputs {
-            if inputs.into_iter().any(|input| is_same(input, &output.path)) {
-                let what = format!("`{}` is compared and would be overwritten", output.path.display());
-                problems.push(on_command_line(what).remedy("name another file for the difference"));
-            }
-        }
+        outputs.iter().for_each(|output| spare(inputs, &output.path, &mut problems));
         let options = Self {
             test: args.test.clone(),
             reference: args.reference.clone(),
@@ -145,44 +145,41 @@ fn check_input(path: &Path, problems: &mut Problems) {
     }
 }
 
-/// Whether both name one file that is there.
+/// Whether both name one file, be it there or not.
 fn is_same(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
+    let resolved = |path: &Path| {
+        path.canonicalize().ok().or_else(|| {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+            Some(folder.join(path.file_name()?))
+        })
+    };
+    a == b || matches!((resolved(a), resolved(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// Refuses a file to write that is one of those to read.
+fn spare<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>, target: &Path, problems: &mut Problems) {
+    if inputs.into_iter().any(|input| is_same(input, target)) {
+        let what = format!("`{}` is read and would be overwritten", target.display());
+        problems.push(on_command_line(what).remedy("name another file to write"));
+    }
 }
 
 fn metric(word: &str, problems: &mut Problems) -> Option<Metric> {
-    let metric = Metric::of(word);
-    if metric.is_none() {
-        let words = Metric::ALL.map(Metric::word).join(", ");
-        problems.push(
-            on_command_line(format!("`--metric {word}` is not an error that is measured"))
-                .remedy(format!("choose one of {words}")),
-        );
-    }
-    metric
+    let remedy = || format!("choose one of {}", Metric::ALL.map(Metric::word).join(", "));
+    given(Metric::of(word), ("metric", word), "an error that is measured", remedy, problems)
 }
 
 fn max_error(text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x >= 0.0);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--max-error {text}` is not an error"))
-                .remedy("give a number from 0 on"),
-        );
-    }
-    number
+    given(number, ("max-error", text), "an error", || "give a number from 0 on".to_owned(), problems)
 }
 
 fn viewing(text: &str, problems: &mut Problems) -> Option<Viewing> {
     let number = text.trim().parse().ok().filter(|x| Viewing::RANGE.contains(x));
-    if number.is_none() {
-        let (least, most) = (Viewing::RANGE.start(), Viewing::RANGE.end());
-        problems.push(
-            on_command_line(format!("`--ppd {text}` is not a number of pixels per degree"))
-                .remedy(format!("give a number from {least} to {most}")),
-        );
-    }
-    number.map(|pixels_per_degree| Viewing { pixels_per_degree })
+    let remedy = || format!("give a number from {} to {}", Viewing::RANGE.start(), Viewing::RANGE.end());
+    given(number, ("ppd", text), "a number of pixels per degree", remedy, problems)
+        .map(|pixels_per_degree| Viewing { pixels_per_degree })
 }
 
 /// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
@@ -236,19 +233,14 @@ fn slice(text: &str, problems: &mut Problems) -> Option<Slice> {
         let slice = Slice { index: index.trim().parse().ok()?, of: of.trim().parse().ok()? };
         (slice.index < slice.of).then_some(slice)
     });
-    if slice.is_none() {
-        problems.push(
-            on_command_line(format!("`--slice {text}` is not a slice"))
-                .remedy("give K/N with K from 0 to N - 1, such as 0/8"),
-        );
-    }
-    slice
+    let remedy = || "give K/N with K from 0 to N - 1, such as 0/8".to_owned();
+    given(slice, ("slice", text), "a slice", remedy, problems)
 }
 
 /// Where copies are kept, if anywhere.
 fn checkpoint(args: &RenderArgs, problems: &mut Problems) -> Option<Checkpoints> {
     let every = args.checkpoint_every.as_deref();
-    let every = every.map(|text| time("--checkpoint-every", text, problems));
+    let every = every.map(|text| time("checkpoint-every", text, problems));
     let Some(path) = &args.checkpoint else {
         let flags = [(args.checkpoint_every.is_some(), "--checkpoint-every"), (args.resume, "--resume")];
         for (_, flag) in flags.iter().filter(|(is_given, _)| *is_given) {
@@ -269,8 +261,8 @@ fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {
     let mut outputs: Vec<Output> = Vec::new();
     for path in paths {
         match Format::of(&path) {
-            Err(error) => push(problems, error),
-            Ok(_) if outputs.iter().any(|output| output.path == path) => problems.push(twice(&path)),
+            Err(error) => problems.absorb(error, None),
+            Ok(_) if outputs.iter().any(|output| is_same(&output.path, &path)) => problems.push(twice(&path)),
             Ok(format) => {
                 check_target(&path, problems);
                 outputs.push(Output { path, format });
@@ -290,7 +282,7 @@ fn with_extension(stem: &Path, extension: &str) -> PathBuf {
 
 fn check_target(path: &Path, problems: &mut Problems) {
     if let Err(error) = atomic::check_target(path) {
-        push(problems, error);
+        problems.absorb(error, None);
     }
 }
 
@@ -298,12 +290,9 @@ fn twice(path: &Path) -> Problem {
     on_command_line(format!("`{}` would be written twice", path.display())).remedy("name each file once")
 }
 
-/// All outputs that are mattes.
-const CRYPTOMATTE: &str = "cryptomatte";
-
 /// The picture, its coverage, and the outputs of these names in the order of the list.
 fn layout(names: &[String], problems: &mut Problems) -> Layout {
-    let known: Vec<_> = Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE]).collect();
+    let known = further_outputs();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
         problems.push(on_command_line(what).remedy(suggest(name, &known)));
@@ -319,24 +308,14 @@ fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
         Some(&[x0, y0, x1, y1]) => Some(Window { x0, y0, x1, y1 }).filter(|window| !window.is_empty()),
         _ => None,
     };
-    if window.is_none() {
-        problems.push(
-            on_command_line(format!("`--crop {text}` is not a rectangle of pixels"))
-                .remedy("give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left"),
-        );
-    }
-    window
+    let remedy = || "give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left".to_owned();
+    given(window, ("crop", text), "a rectangle of pixels", remedy, problems)
 }
 
 fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
     let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--threads {text}` is not a number of threads"))
-                .remedy(format!("give a whole number from 1 to {MOST_THREADS}")),
-        );
-    }
-    number
+    let remedy = || format!("give a whole number from 1 to {MOST_THREADS}");
+    given(number, ("threads", text), "a number of threads", remedy, problems)
 }
 
 /// A time with its unit, seconds where there is none.
@@ -346,42 +325,39 @@ fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
     let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
     let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
-    if time.is_none() {
-        problems.push(
-            on_command_line(format!("`{flag} {text}` is not a time"))
-                .remedy("give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h"),
-        );
-    }
-    time
+    let remedy = || "give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h".to_owned();
+    given(time, (flag, text), "a time", remedy, problems)
 }
 
 fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--target-error {text}` is not an error"))
-                .remedy("give a relMSE above 0, such as 0.001"),
-        );
+    let remedy = || "give a relMSE above 0, such as 0.001".to_owned();
+    given(number, ("target-error", text), "an error", remedy, problems)
+}
+
+/// What the text behind a flag was read as; it is a problem that it is not `what` if it could not be.
+fn given<T>(
+    read: Option<T>,
+    (flag, text): (&str, &str),
+    what: &str,
+    remedy: impl FnOnce() -> String,
+    problems: &mut Problems,
+) -> Option<T> {
+    if read.is_none() {
+        problems.push(on_command_line(format!("`--{flag} {text}` is not {what}")).remedy(remedy()));
     }
-    number
+    read
 }
 
 fn on_command_line(what: String) -> Problem {
     Problem::at(Place::file("command line"), what)
 }
 
-/// Adds the problems that an error holds.
-fn push(problems: &mut Problems, error: Error) {
-    match error {
-        Error::Input(more) => problems.0.extend(more.0),
-        other => problems.push(Problem::new(other.to_string())),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cli::{Args, Command};
+    use crate::error::Error;
     use clap::Parser as _;
 
     fn args(words: &[&str]) -> RenderArgs {
@@ -440,7 +416,7 @@ mod tests {
 
     #[test]
     fn times_have_units() {
-        let parse = |text| time("--time-limit", text, &mut Problems::default());
+        let parse = |text| time("time-limit", text, &mut Problems::default());
         for (text, seconds) in
             [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)]
         {

@@ -6,31 +6,29 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use super::args::PlanArgs;
+use super::frozen::Frozen;
 use super::{log, output};
 use crate::error::{Problem, Result};
 use crate::integrator::ChosenLights;
 use crate::render::{self, Chosen};
+use crate::scene::Scene;
 use crate::scene::description::{Integrator, LightChoice};
 use crate::scene::needs::capability::Capability;
 use crate::scene::needs::{Need, Needs, length};
-use crate::scene::{self, Built, Scene};
 
 /// Prints the plan of a scene.
 pub(super) fn run(args: &PlanArgs) -> Result<()> {
     log::start(&args.log);
     let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
     let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
-    let loaded = scene::load(&args.scene, &overrides)?;
-    let Built { scene, origins, warnings, .. } = scene::build(&loaded.description)?;
-    let needs = Needs::of(&scene, &origins);
-    let warnings: Vec<&Problem> = loaded.warnings.iter().chain(&warnings).chain(&needs.warnings).collect();
-    let name = args.scene.display().to_string();
-    let text = if args.json {
-        format!("{:#}\n", to_json(&name, &scene, &needs, &warnings))
-    } else {
-        to_text(&name, &scene, &needs, &warnings)
-    };
+    let frozen = Frozen::read(&args.scene, &overrides)?;
+    let text = if args.json { format!("{:#}\n", frozen.plan()) } else { to_text(&frozen, &frozen.needs()) };
     output::print(text.as_bytes())
+}
+
+/// All that is odd about a scene.
+fn warnings<'a>(frozen: &'a Frozen, needs: &'a Needs) -> impl Iterator<Item = &'a Problem> {
+    frozen.warnings.iter().chain(&needs.warnings)
 }
 
 /// Where rays come from, seen from the scene.
@@ -38,7 +36,7 @@ fn camera_distance(scene: &Scene, needs: &Needs) -> f32 {
     (scene.camera.eye(0.0) - needs.bounds.center()).length()
 }
 
-/// What of Embree, or of what stands for it, the scene makes use of.
+/// What of a backend the scene makes use of.
 fn backend_use(scene: &Scene, needs: &Needs) -> Vec<String> {
     let has = |capability| needs.count(capability) > 0;
     let kinds: Vec<&str> =
@@ -55,10 +53,11 @@ fn backend_use(scene: &Scene, needs: &Needs) -> Vec<String> {
     ]
 }
 
-fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> String {
+fn to_text(frozen: &Frozen, needs: &Needs) -> String {
+    let scene = &frozen.scene;
     let mut text = String::new();
     let mut line = |key: &str, value: &str| _ = writeln!(text, "{key:<11}{value}");
-    line("scene", name);
+    line("scene", &frozen.path.display().to_string());
     let size = needs.bounds.size().to_array().map(length);
     let center = needs.bounds.center().as_dvec3() + scene.origin;
     if !needs.bounds.is_empty() {
@@ -101,9 +100,10 @@ fn to_text(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> S
     let (required, left_out): (Vec<&Need>, Vec<&Need>) =
         needs.capabilities.iter().partition(|need| need.count > 0);
     text += &table(&required, &left_out);
-    if !warnings.is_empty() {
+    let mut warnings = warnings(frozen, needs).peekable();
+    if warnings.peek().is_some() {
         text += "\nwarnings\n";
-        warnings.iter().for_each(|warning| _ = writeln!(text, "  {warning}"));
+        warnings.for_each(|warning| _ = writeln!(text, "  {warning}"));
     }
     text
 }
@@ -146,7 +146,9 @@ fn table(required: &[&Need], left_out: &[&Need]) -> String {
     text
 }
 
-fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> Value {
+/// The plan of a scene that requires so much, for programs.
+pub(super) fn to_json(frozen: &Frozen, needs: &Needs) -> Value {
+    let scene = &frozen.scene;
     let capability = |need: &Need| {
         let what = if need.count > 0 { need.capability.takes() } else { need.capability.spares() };
         json!({
@@ -162,7 +164,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         .then(|| [needs.bounds.min, needs.bounds.max].map(|p| (p.as_dvec3() + scene.origin).to_array()))
         .map(|[min, max]| json!({ "min": min, "max": max }));
     json!({
-        "scene": name,
+        "scene": frozen.path.display().to_string(),
         "bounds_m": bounds,
         "origin_m": scene.origin.to_array(),
         "camera_distance_m": camera_distance(scene, needs),
@@ -182,7 +184,7 @@ fn to_json(name: &str, scene: &Scene, needs: &Needs, warnings: &[&Problem]) -> V
         "light_choice": { "name": lights.choice.word(), "emitters": lights.emitters },
         "query": { "name": render::query(scene).query.word(), "why": render::query(scene).why },
         "capabilities": needs.capabilities.iter().map(capability).collect::<Vec<_>>(),
-        "warnings": warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
+        "warnings": warnings(frozen, needs).map(ToString::to_string).collect::<Vec<_>>(),
     })
 }
 

@@ -7,6 +7,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::args::RenderArgs;
+use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept::{self, Kept};
 use super::options::{Output, RenderOptions};
@@ -28,9 +29,9 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     threads::limit(options.threads);
 
-    tracing::debug!("reading {}", options.scene.display());
-    let (loaded, load) = Phase::of(|| load(&options));
-    let (scene, about) = loaded?;
+    let (frozen, load) = Phase::of(|| load(&options));
+    let (frozen, about) = frozen?;
+    let scene = &frozen.scene;
     interrupt.check()?;
 
     let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
@@ -38,18 +39,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);
     let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-    let rendered = render::render_kept(&scene, &settings, &meter, render::Kept { begin, keeper });
+    let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
     meter.finish();
     let rendered = rendered?;
-    tell(&options, &scene, &rendered);
+    tell(&options, scene, &rendered);
 
     let (written, write) = Phase::of(|| {
-        write(&options, &scene, &rendered, load)?;
-        write_parts(&options, (&scene, about), (&settings, &rendered), load)
+        write(&options, &frozen, &rendered, load)?;
+        write_parts(&options, (&frozen, about), (&settings, &rendered), load)
     });
     written?;
     if let Some(path) = &options.stats {
-        let report = statistics::report(&options, &scene, &rendered, Times { load, write });
+        let report = statistics::report(&options, &frozen, &rendered, Times { load, write });
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {
@@ -84,14 +85,11 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
 }
 
 /// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
-fn load(options: &RenderOptions) -> Result<(Scene, Value)> {
-    let loaded = scene::load(&options.scene, &options.overrides)?;
-    log::warn(&loaded.warnings);
-    let built = scene::build(&loaded.description)?;
-    log::warn(&built.warnings);
+fn load(options: &RenderOptions) -> Result<(Frozen, Value)> {
+    let frozen = Frozen::told(&options.scene, &options.overrides)?;
     let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
-    let about = if is_kept { kept::about(options, &loaded.description, &built.files)? } else { Value::Null };
-    Ok((built.scene, about))
+    let about = if is_kept { kept::about(options, &frozen)? } else { Value::Null };
+    Ok((frozen, about))
 }
 
 /// Logs how it went, and what was dropped.
@@ -131,14 +129,14 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
 }
 
 /// Writes all pictures.
-fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phase) -> Result<()> {
+fn write(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, load: Phase) -> Result<()> {
     for Output { path, format } in &options.outputs {
         match format {
             Format::Exr => {
-                let attributes = statistics::attributes(scene, rendered, load);
+                let attributes = statistics::attributes(frozen, rendered, load);
                 log::warn(&exr::write(path, rendered.film.picture(options.precision, attributes))?);
             }
-            Format::Png => png::write(path, &rendered.film.image(), development(scene))?,
+            Format::Png => png::write(path, &rendered.film.image(), development(&frozen.scene))?,
         }
     }
     Ok(())
@@ -147,20 +145,20 @@ fn write(options: &RenderOptions, scene: &Scene, rendered: &Rendered, load: Phas
 /// Writes the sums.
 fn write_parts(
     options: &RenderOptions,
-    (scene, about): (&Scene, Value),
+    (frozen, about): (&Frozen, Value),
     (settings, rendered): (&Settings, &Rendered),
     load: Phase,
 ) -> Result<()> {
     if options.parts.is_empty() {
         return Ok(());
     }
-    let statistics = statistics::report(options, scene, rendered, Times { load, write: Phase::default() });
+    let statistics = statistics::report(options, frozen, rendered, Times { load, write: Phase::default() });
     let part = Part {
-        outline: render::outline(scene, settings)?,
+        outline: render::outline(&frozen.scene, settings)?,
         film: rendered.film.clone(),
         counters: rendered.statistics.counters,
         about,
-        told: kept::told(&statistics::attributes(scene, rendered, load), &statistics, scene),
+        told: kept::told(&statistics::attributes(frozen, rendered, load), &statistics, &frozen.scene),
     };
     for path in &options.parts {
         atomic::write(path, |mut file| part.write(&mut file))?;

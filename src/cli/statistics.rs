@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::frozen::Frozen;
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::{ChosenLights, Counters};
@@ -22,12 +23,14 @@ pub(super) struct Times {
 }
 
 /// The metadata of a picture: what it shows and how it was made.
-pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec<(String, String)> {
+pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> Vec<(String, String)> {
+    let scene = &frozen.scene;
     let settings = &scene.render;
     let statistics = &rendered.statistics;
     let [least, most] = rendered.film.samples_of_pixels();
     let mut entries = vec![
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("scene_hash", frozen.hash.clone()),
         ("integrator", settings.integrator.word().to_owned()),
         ("spp", most.to_string()),
         ("samples", range(rendered)),
@@ -67,6 +70,7 @@ pub(super) fn attributes(scene: &Scene, rendered: &Rendered, load: Phase) -> Vec
         entries.push(("view", settings.view.word().to_owned()));
     }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
+    entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
 }
@@ -93,7 +97,8 @@ fn names(film: &Film) -> Vec<(String, String)> {
 }
 
 /// Everything counted and timed.
-pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered, times: Times) -> Value {
+pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
+    let scene = &frozen.scene;
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
     let window = rendered.film.window();
@@ -101,6 +106,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
     json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": options.scene.display().to_string(),
+        "scene_hash": frozen.hash,
         "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
         "integrator": scene.render.integrator.word(),
         "backend": statistics.backend,
@@ -137,6 +143,7 @@ pub(super) fn report(options: &RenderOptions, scene: &Scene, rendered: &Rendered
             "count": rendered.film.non_finite().count(),
             "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, scene, s)).collect::<Vec<_>>(),
         },
+        "plan": frozen.plan(),
     })
 }
 

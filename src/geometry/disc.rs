@@ -43,6 +43,7 @@ impl Disc {
     pub fn project(&self, p: Vec3) -> Vec3 {
         p - self.normal * (p - self.center).dot(self.normal)
     }
+
     /// The point of the disc nearest to `near`; its parameters are angle and distance from the centre.
     pub(super) fn point(&self, near: Vec3) -> SurfacePoint {
         let p = self.project(near);

@@ -1,6 +1,6 @@
 //! Heights over a rectangle.
 
-use crate::geometry::Mesh;
+use crate::geometry::{Mesh, MeshError};
 use glam::{Vec2, Vec3};
 
 /// Heights along +y over a grid in the plane of x and z, as triangles: `ARCHITECTURE.md` has the measurement against a
@@ -79,12 +79,9 @@ impl HeightField {
 
     /// The surface over a rectangle about `center` with edges `size` along x and z, heights counted from `center`; outside
     /// is above. Two triangles per cell, divided along the diagonal whose ends differ less in height; surface parameters
-    /// run from 0 to 1, u along +x, v along -z, as on a picture. Smooth normals are those of central differences.
-    ///
-    /// # Panics
-    /// If sizes or heights so large overflow single precision.
-    #[must_use]
-    pub fn mesh(&self, center: Vec3, size: Vec2, smooth: bool) -> Mesh {
+    /// run from 0 to 1, u along +x, v along -z, as on a picture. Smooth normals are those of central differences. Fails where
+    /// a corner is beyond [`Mesh::MAX_COORDINATE`].
+    pub fn mesh(&self, center: Vec3, size: Vec2, smooth: bool) -> Result<Mesh, MeshError> {
         let nodes = || (0..self.rows).flat_map(|row| (0..self.columns).map(move |column| [column, row]));
         let parameters = |[column, row]: [u32; 2]| {
             Vec2::new(column as f32 / (self.columns - 1) as f32, row as f32 / (self.rows - 1) as f32)
@@ -95,14 +92,11 @@ impl HeightField {
         };
         let triangles: Vec<[u32; 3]> = self.triangles();
         let uvs = nodes().map(|node| Vec2::new(parameters(node).x, 1.0 - parameters(node).y)).collect();
-        let mesh = Mesh::new(nodes().map(position).collect(), triangles)
-            .and_then(|mesh| mesh.with_uvs(uvs))
-            .expect("a grid is a sound mesh where its coordinates are finite");
+        let mesh = Mesh::new(nodes().map(position).collect(), triangles)?.with_uvs(uvs)?;
         if !smooth {
-            return mesh;
+            return Ok(mesh);
         }
-        let normals = nodes().map(|[column, row]| self.normal(column, row, size)).collect();
-        mesh.with_normals(normals).expect("one normal per vertex")
+        mesh.with_normals(nodes().map(|[column, row]| self.normal(column, row, size)).collect())
     }
 
     fn triangles(&self) -> Vec<[u32; 3]> {
@@ -145,7 +139,7 @@ mod tests {
         // Height grows with x by 3 over a width of 2, and with z by 1 over a depth of 1.
         let heights = vec![0.0, 1.5, 3.0, 1.0, 2.5, 4.0];
         let field = HeightField::new(3, 2, heights).expect("a field");
-        let mesh = field.mesh(Vec3::Y, Vec2::new(2.0, 1.0), true);
+        let mesh = field.mesh(Vec3::Y, Vec2::new(2.0, 1.0), true).expect("a mesh");
         let n = Vec3::new(-1.5, 1.0, -1.0).normalize();
         assert_eq!(mesh.triangles().len(), 4, "two per cell");
         for triangle in 0..4 {
@@ -163,7 +157,7 @@ mod tests {
     #[test]
     fn rows_are_seen_from_above_like_a_picture() {
         let field = HeightField::new(2, 2, vec![1.0, 2.0, 3.0, 4.0]).expect("a field");
-        let mesh = field.mesh(Vec3::ZERO, Vec2::ONE, false);
+        let mesh = field.mesh(Vec3::ZERO, Vec2::ONE, false).expect("a mesh");
         assert_eq!(mesh.positions()[1], Vec3::new(0.5, 2.0, -0.5), "the end of the first row: right, far");
         let [uv, ..] = mesh.corner_uvs(0).expect("parameters");
         assert!(!mesh.has_normals() && uv.is_finite(), "flat, with parameters");
@@ -180,5 +174,8 @@ mod tests {
         assert!(matches!(refusal(2, 2, vec![0.0; 5]), HeightFieldError::Length { found: 5, .. }), "too many");
         let found = refusal(2, 2, vec![0.0, 0.0, f32::NAN, 0.0]);
         assert_eq!(found, HeightFieldError::NotFinite { column: 0, row: 1 }, "not a number");
+        let high = HeightField::new(2, 2, vec![0.0, 0.0, 0.0, 1e19]).expect("a field");
+        let found = high.mesh(Vec3::ZERO, Vec2::ONE, true).expect_err("too high");
+        assert_eq!(found, MeshError::TooFar { vertex: 3 }, "too high");
     }
 }

@@ -372,6 +372,7 @@ mod tests {
         assert!(mesh.clone().with_normals(vec![Vec3::Z]).is_err(), "one normal for three vertices");
         assert!((mesh.area(0) - 0.5).abs() < 1e-7, "area");
     }
+
     #[test]
     fn corners_move_on_straight_lines_from_key_to_key() {
         let shifted = |by: Vec3| CORNERS.iter().map(|p| *p + by).collect::<Vec<_>>();

@@ -39,6 +39,18 @@ impl Ray {
         Self { t_max, ..self }
     }
 
+    /// The same ray, of which nothing counts before `t_min`.
+    #[must_use]
+    pub fn starting(self, t_min: f32) -> Self {
+        Self { t_min, ..self }
+    }
+
+    /// The same ray, to which only geometry is visible whose mask shares a bit.
+    #[must_use]
+    pub fn seeing(self, mask: u32) -> Self {
+        Self { mask, ..self }
+    }
+
     /// The ray from the same origin at the same moment that ends just before a point; parameters count from 0 to 1 at the point.
     #[must_use]
     pub fn towards(self, target: Vec3) -> Self {

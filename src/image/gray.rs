@@ -1,16 +1,10 @@
 //! Pictures of one number per pixel, such as heights; reading only.
 
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
-use image::codecs::png::PngDecoder;
-use image::{DynamicImage, ImageDecoder as _, ImageError};
-
-use super::buffer::check_size;
 use super::exr::Picture;
-use super::{exr, extension, hdr};
-use crate::error::{Error, Place, Problem, Result};
+use super::{exr, extension, hdr, png};
+use crate::error::{Place, Problem, Result};
 
 /// One number per pixel, by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,21 +51,10 @@ fn gray([r, g, b]: [f32; 3]) -> Option<f32> {
 }
 
 fn from_png(path: &Path) -> Result<Numbers> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
-    let refused = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => io(source),
-        other => Problem::at(Place::file(path), format!("not a sound PNG picture: {other}"))
-            .remedy("write it again, or convert it to .exr")
-            .into(),
-    };
-    let file = BufReader::new(File::open(path).map_err(io)?);
-    let decoder = PngDecoder::new(file).map_err(refused)?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into())?;
-    // 16 bits hold what 8 bits say exactly, as 257 times as much.
-    let picture = DynamicImage::from_decoder(decoder).map_err(refused)?.into_rgb16();
+    // 16 bits hold what 8 bits say exactly, as 257 times as much. Numbers are taken as they are, whatever the file says of gamma.
+    let picture = png::decoded(path)?.0.into_rgb16();
     let values = picture.pixels().map(|p| gray(p.0.map(|x| f32::from(x) / 65535.0))).collect();
-    Ok((width, height, values))
+    Ok((picture.width(), picture.height(), values))
 }
 
 /// R, G and B if they are the same; else Y; else the only channel there is, whatever its name.
@@ -94,7 +77,7 @@ mod tests {
     use super::*;
     use crate::image::Window;
     use crate::image::exr::{Channel, Samples};
-    use image::{ImageBuffer, Luma, Rgb};
+    use image::{DynamicImage, ImageBuffer, Luma, Rgb};
 
     fn saved(picture: &DynamicImage) -> Result<Gray> {
         let dir = tempfile::tempdir().expect("a directory");

@@ -7,28 +7,23 @@ use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
 use image::codecs::hdr::HdrDecoder;
-use image::{DynamicImage, ImageError};
 
 use super::buffer::{Repairs, check_size};
-use super::{Decoded, Image, Range, Window};
-use crate::error::{Error, Place, Problem, Result};
+use super::{Decoded, Image, Range, Window, files};
+use crate::error::{Place, Problem, Result};
 use crate::math::Rgb;
 
 /// The picture in a Radiance file.
 pub(super) fn read(path: &Path) -> Result<Decoded> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
-    let refused = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => io(source),
-        other => Problem::at(Place::file(path), format!("not a sound Radiance picture: {other}"))
-            .remedy("write it again, or convert it to .exr")
-            .into(),
-    };
-    let mut file = BufReader::new(File::open(path).map_err(io)?);
-    let strict = starts_with_radiance(&mut file).map_err(io)?;
-    let decoder = HdrDecoder::with_strictness(file, strict).map_err(refused)?;
+    const KIND: &str = "Radiance";
+    let unread = |error| files::unread(path, error);
+    let mut file = BufReader::new(File::open(path).map_err(unread)?);
+    let strict = starts_with_radiance(&mut file).map_err(unread)?;
+    let decoder =
+        HdrDecoder::with_strictness(file, strict).map_err(|error| files::refused(path, KIND, error))?;
     let header = decoder.metadata();
     check_size(path, header.width.into(), header.height.into())?;
-    let picture = DynamicImage::from_decoder(decoder).map_err(refused)?.into_rgb32f();
+    let picture = files::decoded(path, KIND, decoder)?.into_rgb32f();
     let mut repairs = Repairs::default();
     let pixels = picture.pixels().map(|p| {
         let [r, g, b] = p.0.map(|x| repairs.finite(x));

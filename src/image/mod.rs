@@ -6,6 +6,7 @@
 pub mod atomic;
 mod buffer;
 pub mod exr;
+mod files;
 mod gray;
 mod hdr;
 pub mod png;

@@ -7,12 +7,12 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
-use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _, ImageError};
+use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _};
 
 use super::buffer::check_size;
 use super::tone::{Development, linear_from_srgb};
-use super::{Decoded, Image, Range, Window, atomic};
-use crate::error::{Error, Place, Problem, Result};
+use super::{Decoded, Image, Range, Window, atomic, files};
+use crate::error::{Place, Problem, Result};
 use crate::math::Rgb;
 
 /// Most pixels that one byte of a file can hold: one bit each, and deflate stays below 1032:1.
@@ -35,26 +35,10 @@ pub fn write_bytes(path: &Path, [width, height]: [u32; 2], bytes: &[u8]) -> Resu
 
 /// The picture in a PNG file of 1 to 16 bits, in colour, grey or with a palette, as linear light from 0 to 1.
 pub fn read(path: &Path) -> Result<Decoded> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
-    let refused = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != io::ErrorKind::UnexpectedEof => io(source),
-        other => Problem::at(Place::file(path), format!("not a sound PNG picture: {other}"))
-            .remedy("write it again")
-            .into(),
-    };
-    let file = File::open(path).map_err(io)?;
-    let bytes = file.metadata().map_err(io)?.len();
-    let gamma = stated_gamma(&mut BufReader::new(&file)).unwrap_or(None);
-    (&file).rewind().map_err(io)?;
-    let decoder = PngDecoder::new(BufReader::new(file)).map_err(refused)?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into())?;
-    if u64::from(width) * u64::from(height) / MAX_PIXELS_PER_BYTE > bytes {
-        let what = "its header claims more pixels than its bytes can hold";
-        return Err(Problem::at(Place::file(path), what).remedy("write it again").into());
-    }
-    let has_alpha = decoder.color_type().has_alpha();
-    let picture = DynamicImage::from_decoder(decoder).map_err(refused)?.into_rgba16();
+    let (picture, warnings) = decoded(path)?;
+    let has_alpha = picture.color().has_alpha();
+    let picture = picture.into_rgba16();
+    let (width, height) = picture.dimensions();
     let light = light();
     let pixels = picture.pixels().map(|p| {
         let [r, g, b, _] = p.0.map(|x| light[usize::from(x)]);
@@ -65,8 +49,27 @@ pub fn read(path: &Path) -> Result<Decoded> {
     })?;
     let alpha = has_alpha.then(|| picture.pixels().map(|p| f32::from(p.0[3]) / 65535.0).collect());
     let window = Window::whole(width, height);
-    let warnings = gamma.and_then(|gamma| odd_gamma(path, gamma)).into_iter().collect();
     Ok(Decoded { image, range: Range::Display, alpha, window, full: [width, height], warnings })
+}
+
+/// The pixels of a PNG file as it holds them, and what is odd about it. What its header claims is checked before memory is
+/// asked for.
+pub(super) fn decoded(path: &Path) -> Result<(DynamicImage, Vec<Problem>)> {
+    let unread = |error| files::unread(path, error);
+    let file = File::open(path).map_err(unread)?;
+    let bytes = file.metadata().map_err(unread)?.len();
+    let gamma = stated_gamma(&mut BufReader::new(&file)).unwrap_or(None);
+    (&file).rewind().map_err(unread)?;
+    let decoder =
+        PngDecoder::new(BufReader::new(file)).map_err(|error| files::refused(path, "PNG", error))?;
+    let (width, height) = decoder.dimensions();
+    check_size(path, width.into(), height.into())?;
+    if u64::from(width) * u64::from(height) / MAX_PIXELS_PER_BYTE > bytes {
+        let what = "its header claims more pixels than its bytes can hold";
+        return Err(Problem::at(Place::file(path), what).remedy("write it again").into());
+    }
+    let warnings = gamma.and_then(|gamma| odd_gamma(path, gamma)).into_iter().collect();
+    Ok((files::decoded(path, "PNG", decoder)?, warnings))
 }
 
 /// The light of each of 65536 levels. Eight bits are exactly every 257th.

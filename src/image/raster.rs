@@ -5,13 +5,12 @@ use std::io::BufReader;
 use std::path::Path;
 
 use image::codecs::jpeg::JpegDecoder;
-use image::codecs::png::PngDecoder;
-use image::{ColorType, DynamicImage, ImageDecoder, ImageError};
+use image::{ColorType, DynamicImage, ImageDecoder as _};
 
 use super::buffer::check_size;
 use super::exr::Samples;
-use super::{Decoded, exr, extension, hdr};
-use crate::error::{Error, Place, Problem, Result};
+use super::{Decoded, exr, extension, files, hdr, png};
+use crate::error::{Place, Problem, Result};
 
 /// Extensions of the files that [`read_raster`] reads.
 pub const RASTERS: &[&str] = &["png", "jpg", "jpeg", "exr", "hdr"];
@@ -49,13 +48,12 @@ pub enum Pixels {
     },
 }
 
-/// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file. Gamma and colour profiles in it are not applied.
+/// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file. Gamma and colour profiles in it are not applied; an odd gamma is
+/// told.
 pub fn read_raster(path: &Path) -> Result<Raster> {
     match extension(path).as_str() {
-        "png" => from_display(path, "PNG", |file| PngDecoder::new(file).and_then(|d| checked(path, d))),
-        "jpg" | "jpeg" => {
-            from_display(path, "JPEG", |file| JpegDecoder::new(file).and_then(|d| checked(path, d)))
-        }
+        "png" => png::decoded(path).map(|(picture, warnings)| from_display(picture, warnings)),
+        "jpg" | "jpeg" => from_jpeg(path).map(|picture| from_display(picture, vec![])),
         "exr" => {
             let picture = exr::read(path)?;
             let half = picture.channels.iter().all(|channel| matches!(channel.samples, Samples::Half(_)));
@@ -84,29 +82,18 @@ fn from_light(decoded: Decoded, half: bool) -> Raster {
     Raster { width, height, pixels, encoded: false, has_alpha: alpha.is_some(), warnings }
 }
 
-/// What a decoder gives, or why not; its size is checked before memory is asked for.
-fn checked(path: &Path, decoder: impl ImageDecoder) -> std::result::Result<Result<DynamicImage>, ImageError> {
+/// The picture in a JPEG file; its size is checked before memory is asked for.
+fn from_jpeg(path: &Path) -> Result<DynamicImage> {
+    const KIND: &str = "JPEG";
+    let file = File::open(path).map_err(|error| files::unread(path, error))?;
+    let decoder =
+        JpegDecoder::new(BufReader::new(file)).map_err(|error| files::refused(path, KIND, error))?;
     let (width, height) = decoder.dimensions();
-    if let Err(error) = check_size(path, width.into(), height.into()) {
-        return Ok(Err(error));
-    }
-    DynamicImage::from_decoder(decoder).map(Ok)
+    check_size(path, width.into(), height.into())?;
+    files::decoded(path, KIND, decoder)
 }
 
-fn from_display(
-    path: &Path,
-    kind: &str,
-    decode: impl FnOnce(BufReader<File>) -> std::result::Result<Result<DynamicImage>, ImageError>,
-) -> Result<Raster> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
-    let refused = |error: ImageError| match error {
-        ImageError::IoError(source) if source.kind() != std::io::ErrorKind::UnexpectedEof => io(source),
-        other => Problem::at(Place::file(path), format!("not a sound {kind} picture: {other}"))
-            .remedy("write it again")
-            .into(),
-    };
-    let file = BufReader::new(File::open(path).map_err(io)?);
-    let picture = decode(file).map_err(refused)??;
+fn from_display(picture: DynamicImage, warnings: Vec<Problem>) -> Raster {
     let (width, height) = (picture.width(), picture.height());
     let color = picture.color();
     let has_alpha = color.has_alpha();
@@ -121,7 +108,7 @@ fn from_display(
             Pixels::Floats { values, half: false }
         }
     };
-    Ok(Raster { width, height, pixels, encoded: true, has_alpha, warnings: vec![] })
+    Raster { width, height, pixels, encoded: true, has_alpha, warnings }
 }
 
 #[cfg(test)]
@@ -176,5 +163,33 @@ mod tests {
             let message = read_raster(&path).expect_err("damaged").to_string();
             assert!(message.contains(&format!("{name}: not a sound {kind} picture")), "{message}");
         }
+    }
+
+    #[test]
+    fn a_header_that_claims_more_than_the_file_holds_is_refused_before_memory_is_asked_for() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.png");
+        let mut sound = Vec::new();
+        let picture = DynamicImage::ImageLuma8(image::GrayImage::new(1, 1));
+        picture.write_to(&mut std::io::Cursor::new(&mut sound), image::ImageFormat::Png).expect("written");
+        // Width and height stand behind the signature and the head of the first chunk, its checksum behind its 13 bytes.
+        sound[16..20].copy_from_slice(&16000_u32.to_be_bytes());
+        sound[20..24].copy_from_slice(&16000_u32.to_be_bytes());
+        let crc = checksum(&sound[12..29]);
+        sound[29..33].copy_from_slice(&crc.to_be_bytes());
+        std::fs::write(&path, sound).expect("written");
+        for message in [
+            read_raster(&path).map(drop).expect_err("claims").to_string(),
+            crate::image::read_gray(&path).map(drop).expect_err("claims").to_string(),
+        ] {
+            assert!(message.contains("claims more pixels than its bytes can hold"), "{message}");
+        }
+    }
+
+    /// CRC-32 of a chunk's kind and bytes (PNG specification, annex D), bit by bit.
+    fn checksum(bytes: &[u8]) -> u32 {
+        !bytes.iter().fold(u32::MAX, |crc, &byte| {
+            (0..8).fold(crc ^ u32::from(byte), |crc, _| (crc >> 1) ^ (0xedb8_8320 * (crc & 1)))
+        })
     }
 }

@@ -95,8 +95,8 @@ impl Material {
         }
     }
 
-    /// How the surface scatters at a spot; absent for black ones. `eta` is the index of
-    /// the far side over that of the near side, and matters to dielectrics only.
+    /// How the surface scatters at a spot; absent for black ones. `eta` is the index of the far side over that of the near
+    /// side, and matters to dielectrics only.
     #[inline(always)]
     pub fn bsdf<F: Lanes>(&self, spot: impl Into<Spot<F>>, eta: F) -> Option<Mix<F>> {
         self.scattering.bsdf(spot.into(), eta)

@@ -12,10 +12,13 @@ use crate::error::Place;
 use crate::image::RASTERS;
 use crate::math::Rgb;
 use crate::scene::load::{EXTENSIONS, check};
-use crate::scene::record::{Value, choice, record, tagged};
+use crate::scene::record::{Value, choice, record, tagged, words};
 use glam::{DVec3, Vec3};
 use std::ops::Deref;
 use std::path::PathBuf;
+
+pub use crate::bsdf::{Below, FresnelModel as Fresnel, PhongScale};
+pub use crate::texture::{Channel, Space, Wrap};
 
 /// A value, and where it was written.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,20 +86,27 @@ record! {
 }
 
 record! {
+    /// How a picture lies over surface parameters.
+    pub struct Lie {
+        /// What is beyond the edges of the picture.
+        wrap: Wrap = Wrap::Repeat;
+        /// How often the picture is repeated along u and along v between 0 and 1; negative numbers mirror it, which reliefs cannot be.
+        repeat: [f32; 2] = [1.0, 1.0], min(-1e6), max(1e6);
+        /// What is added to the repeated parameters.
+        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+    }
+}
+
+record! {
     /// A picture over surface parameters: its lower left corner is at 0, its upper right one at 1.
     pub struct ImageTexture {
         /// A PNG, JPEG, EXR or HDR file.
         file: Located<PathBuf>, file(RASTERS);
         /// What its numbers stand for; absent: `srgb` for colours of PNG and JPEG files, else `linear`.
         space: Option<Space>;
-        /// What is beyond the edges of the picture.
-        wrap: Wrap = Wrap::Repeat;
-        /// How often the picture is repeated along u and along v between 0 and 1; negative numbers mirror it.
-        repeat: [f32; 2] = [1.0, 1.0], min(-1e6), max(1e6);
-        /// What is added to the repeated parameters.
-        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
         /// What its colours are multiplied by; what is reflected is cut at 1.
         factor: Rgb<f32> = Rgb::gray(1.0), min(0.0), max(1e20);
+        ..lie: Lie, "How the picture lies.";
     }
 }
 
@@ -109,38 +119,28 @@ record! {
         channel: Option<Channel>;
         /// What its numbers stand for.
         space: Space = Space::Linear;
-        /// What is beyond the edges of the picture.
-        wrap: Wrap = Wrap::Repeat;
-        /// How often the picture is repeated along u and along v between 0 and 1; negative numbers mirror it.
-        repeat: [f32; 2] = [1.0, 1.0], min(-1e6), max(1e6);
-        /// What is added to the repeated parameters.
-        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
         /// What the number is multiplied by; beyond 1 it is cut.
         factor: f32 = 1.0, min(0.0), max(1e6);
+        ..lie: Lie, "How the picture lies.";
     }
 }
 
 record! {
     /// A picture of normals in tangent space: red, green and blue from 0 to 1 are -1 to 1 along u, along v and outwards.
-    pub struct NormalMap {
+    pub struct NormalMap checked by check::normal_map {
         /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
         file: Located<PathBuf>, file(RASTERS);
         /// What the lean along u and v is multiplied by.
         strength: f32 = 1.0, min(0.0), max(100.0);
         /// Whether green counts against v, as some programs write it.
         flip_y: bool = false;
-        /// What is beyond the edges of the picture.
-        wrap: Wrap = Wrap::Repeat;
-        /// How often the picture is repeated along u and along v between 0 and 1.
-        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
-        /// What is added to the repeated parameters.
-        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+        ..lie: Lie, "How the picture lies, not mirrored.";
     }
 }
 
 record! {
     /// A picture of heights: the surface is shaded as if white stood out over black. Its outline stays as it is.
-    pub struct Bump {
+    pub struct Bump checked by check::bump {
         /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
         file: Located<PathBuf>, file(RASTERS);
         /// Where the heights are; red without, which in gray pictures is the shade.
@@ -150,18 +150,12 @@ record! {
         strength: f32 = 1.0, min(-1e4), max(1e4);
         /// The same in metres, instead of `strength`.
         height: Option<f32>, unit("m"), min(-1e6), max(1e6);
-        /// What is beyond the edges of the picture.
-        wrap: Wrap = Wrap::Repeat;
-        /// How often the picture is repeated along u and along v between 0 and 1.
-        repeat: [f32; 2] = [1.0, 1.0], above(0.0), max(1e6);
-        /// What is added to the repeated parameters.
-        offset: [f32; 2] = [0.0, 0.0], min(-1e6), max(1e6);
+        ..lie: Lie, "How the picture lies, not mirrored.";
     }
 }
 
-choice! {
-    /// What the numbers of a picture stand for.
-    pub enum Space {
+words! {
+    Space {
         /// Light by the curve of sRGB.
         "srgb" => Srgb,
         /// Light, or other numbers, as they are.
@@ -169,9 +163,8 @@ choice! {
     }
 }
 
-choice! {
-    /// What is beyond the edges of a picture.
-    pub enum Wrap {
+words! {
+    Wrap {
         /// The picture again.
         "repeat" => Repeat,
         /// The picture again, every other time mirrored.
@@ -181,16 +174,15 @@ choice! {
     }
 }
 
-choice! {
-    /// One number of a picture.
-    pub enum Channel {
+words! {
+    Channel {
         /// Red, or the shade of a gray picture.
         "r" => Red,
         /// Green.
         "g" => Green,
         /// Blue.
         "b" => Blue,
-        /// Coverage; 1 where the file has none, or holds 32-bit numbers.
+        /// Coverage; 1 where the file has none.
         "a" => Alpha,
     }
 }
@@ -517,9 +509,8 @@ choice! {
     }
 }
 
-choice! {
-    /// How reflectance depends on the angle.
-    pub enum Fresnel {
+words! {
+    Fresnel {
         /// Fresnel's equations.
         "exact" => Exact,
         /// Schlick's polynomial: within 0.06 for indices from 1.3 to 2.2, within 0.2 for metals, wrong for indices near 1.
@@ -541,9 +532,8 @@ choice! {
     }
 }
 
-choice! {
-    /// What becomes of directions of a lobe that fall below the surface.
-    pub enum Below {
+words! {
+    Below {
         /// They are turned by half a turn about the mirror direction: nothing is lost.
         "through_r" => ThroughR,
         /// They count as black: the rim darkens.
@@ -553,9 +543,8 @@ choice! {
     }
 }
 
-choice! {
-    /// What a reciprocal Phong lobe is multiplied by.
-    pub enum PhongScale {
+words! {
+    PhongScale {
         /// (e + 2) / (2 pi), the modified Phong model: darkens with the angle, to its cosine where it is sharp.
         "modified" => Modified,
         /// (e + 2) / (2 pi) over the greater cosine: a mirror where it is sharp.
@@ -748,7 +737,7 @@ tagged! {
 record! {
     /// A part of a mix.
     pub struct MixPart {
-        /// Name of the material; neither a mix nor a light.
+        /// Name of the material; neither a mix nor a light. Its relief and holes do not count: a mix has its own.
         material: Located<String>;
         /// Its share of the light, per channel.
         weight: Rgb<f32> = Rgb::gray(0.5), min(0.0), max(1.0);

@@ -401,6 +401,13 @@ macro_rules! choice {
             $( $(#[doc = $doc])+ $Word, )+
         }
 
+        $crate::scene::record::words! { $Choice { $( $(#[doc = $doc])+ $word => $Word, )+ } }
+    };
+}
+
+/// The words that stand for the values of an enum, each with what it means to who writes scene files.
+macro_rules! words {
+    ( $Choice:ident { $( $(#[doc = $doc:literal])+ $word:literal => $Word:ident, )+ } ) => {
         impl $crate::scene::record::Choice for $Choice {
             const WORDS: &'static [(&'static str, &'static str, Self)] =
                 &[$( ($word, concat!($($doc),+), Self::$Word), )+];
@@ -453,4 +460,4 @@ pub(crate) trait Choice: Copy + PartialEq + 'static {
     const WORDS: &'static [(&'static str, &'static str, Self)];
 }
 
-pub(crate) use {choice, key, record, tagged};
+pub(crate) use {choice, key, record, tagged, words};

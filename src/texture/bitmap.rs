@@ -42,8 +42,12 @@ enum Texels {
     Bytes(Vec<u32>),
     /// Two words of two numbers of half precision, the first in the lower half.
     Halves(Vec<u32>),
-    /// Red, green and blue; covered.
-    Floats(Vec<[f32; 3]>),
+    /// Red, green and blue, and coverage where the file has it.
+    Floats {
+        rows: Vec<[f32; 3]>,
+        /// Empty where all is covered.
+        coverage: Vec<f32>,
+    },
 }
 
 /// A level in numbers.
@@ -54,7 +58,7 @@ struct Level {
 }
 
 impl Bitmap {
-    /// The picture of a file, with all smaller ones. Coverage of files of 32-bit numbers is not kept.
+    /// The picture of a file, with all smaller ones.
     #[must_use]
     pub fn new(raster: &Raster, space: Space) -> Self {
         let (width, height) = (raster.width as usize, raster.height as usize);
@@ -65,7 +69,7 @@ impl Bitmap {
                     Texels::Bytes(bytes.iter().map(|texel| u32::from_le_bytes(*texel)).collect())
                 }
                 Pixels::Floats { half: true, .. } => Texels::Halves(vec![]),
-                Pixels::Floats { half: false, .. } => Texels::Floats(vec![]),
+                Pixels::Floats { half: false, .. } => Texels::Floats { rows: vec![], coverage: vec![] },
             },
             space,
             curve: curve(space),
@@ -141,7 +145,12 @@ impl Bitmap {
                 let [r, g, b, a] = v.map(|x| u32::from(f16::from_f32(x).to_bits()));
                 [r | g << 16, b | a << 16]
             })),
-            Texels::Floats(rows) => rows.extend(values.iter().map(|&[r, g, b, _]| [r, g, b])),
+            Texels::Floats { rows, coverage } => {
+                rows.extend(values.iter().map(|&[r, g, b, _]| [r, g, b]));
+                if self.has_alpha {
+                    coverage.extend(values.iter().map(|&[.., a]| a));
+                }
+            }
         }
     }
 
@@ -150,7 +159,7 @@ impl Bitmap {
     pub fn bytes(&self) -> usize {
         match &self.texels {
             Texels::Gray(words) | Texels::Bytes(words) | Texels::Halves(words) => size_of_val(&words[..]),
-            Texels::Floats(rows) => size_of_val(&rows[..]),
+            Texels::Floats { rows, coverage } => size_of_val(&rows[..]) + size_of_val(&coverage[..]),
         }
     }
 
@@ -221,9 +230,9 @@ impl Bitmap {
                 let ba = isa.gather_u32(words, Wrapping::<u32>::wrapping_add(first, 1));
                 [from_half(rg), from_half(rg >> 16), from_half(ba), from_half(ba >> 16)]
             }
-            Texels::Floats(rows) => {
+            Texels::Floats { rows, coverage } => {
                 let [r, g, b] = isa.gather_rows(rows, index);
-                [r, g, b, one]
+                [r, g, b, if coverage.is_empty() { one } else { isa.gather(coverage, index) }]
             }
         }
     }

@@ -112,14 +112,16 @@ impl<S: Isa> Kernel<S> for LookUp<'_, S::F> {
 /// The parameter brought between 0 and 1.
 #[inline(always)]
 fn wrapped<F: Lanes>(wrap: Wrap, x: F) -> F {
-    match wrap {
+    let inside = match wrap {
         Wrap::Repeat => x - x.floor(),
         Wrap::Mirror => {
             let x = x - (x * 0.5).floor() * 2.0;
             -(x - 1.0).abs() + 1.0
         }
-        Wrap::Clamp => x.clamp(0.0, 1.0),
-    }
+        Wrap::Clamp => x,
+    };
+    // Parameters that overflow when they are repeated are not numbers by now: those are 0.
+    inside.clamp(0.0, 1.0)
 }
 
 /// Four texels of a level interpolated; `s` to the right and `t` downwards, between 0 and 1.

@@ -434,7 +434,7 @@ fn write(text: &mut String, index: usize, shape: &str, surface: &Surface) {
 /// rho / (1 - E) where ours is rho' / (1 - rho' F), with the mean reflectance F of the coat from within, and E what Mitsuba has for
 /// it: the fit by Egan and Hilgeman 1973. Equal for rho' = rho / (1 - E + rho F).
 fn unbounced(base: &str, ior: f64) -> String {
-    let inside = 1.0 - (1.0 - FresnelModel::Exact.average_outside(ior)) / (ior * ior);
+    let inside = FresnelModel::Exact.average_inside(ior);
     let fit = -1.4399 / (ior * ior) + 0.7099 / ior + 0.6681 + 0.0636 * ior;
     let rho = numbers(base.trim_matches(['[', ']']));
     format!("{:?}", rho.iter().map(|rho| rho / (1.0 - fit + rho * inside)).collect::<Vec<_>>())

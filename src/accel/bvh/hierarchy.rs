@@ -51,8 +51,10 @@ pub trait Hierarchy: Debug + Send + Sized + Sync {
 pub struct Binary(Bvh2);
 
 /// A tree of eight children a node, whose boxes are quantised to eight bits a side.
-#[derive(Debug)]
-pub struct Wide(CwBvh);
+pub struct Wide {
+    tree: CwBvh,
+    depth: usize,
+}
 
 impl Debug for Binary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -60,6 +62,12 @@ impl Debug for Binary {
             .field("nodes", &self.0.nodes.len())
             .field("depth", &self.0.max_depth)
             .finish()
+    }
+}
+
+impl Debug for Wide {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Wide").field("nodes", &self.tree.nodes.len()).field("depth", &self.depth).finish()
     }
 }
 
@@ -74,7 +82,7 @@ impl Hierarchy for Binary {
         collapse(&mut tree, params.max_prims_per_leaf, params.collapse_traversal_cost);
         let again = params.reinsertion_batch_ratio * params.post_collapse_reinsertion_batch_ratio_multiplier;
         optimizer.run(&mut tree, again, None);
-        // What obvhs notes is the depth before nodes moved, and its stack panics when it is full.
+        // What obvhs notes is the depth before nodes moved, and its stacks lose what comes when they are full, or panic.
         tree.max_depth = tree.depth(0);
         tree.parents = Vec::new();
         let order = std::mem::take(&mut tree.primitive_indices);
@@ -114,8 +122,9 @@ struct Later {
     t: f32,
 }
 
-/// Levels of a binary tree that are kept track of without memory of their own.
-const BINARY_STACK: usize = 64;
+/// Levels of a tree that are kept track of without memory of their own: one for which there is nothing to put off, and as many
+/// as such a stack of obvhs holds.
+const STACK: usize = 64;
 
 impl Binary {
     /// Visits the places on a way until a visit breaks off; else it tells where the way ends.
@@ -124,8 +133,8 @@ impl Binary {
     /// there is one place that visits leaves.
     #[inline(always)]
     fn walk(&self, way: &Way, visit: impl FnMut(usize) -> ControlFlow<(), f32>) -> ControlFlow<()> {
-        if self.0.max_depth <= BINARY_STACK {
-            self.walk_with(way, &mut StackStack::<Later, BINARY_STACK>::default(), visit)
+        if self.0.max_depth <= STACK {
+            self.walk_with(way, &mut StackStack::<Later, STACK>::default(), visit)
         } else {
             self.walk_with(way, &mut HeapStack::<Later>::new_with_capacity(self.0.max_depth), visit)
         }
@@ -191,35 +200,77 @@ impl Hierarchy for Wide {
         let mut wide = bvh2_to_cwbvh(&tree, params.max_prims_per_leaf.clamp(1, 3), true, false);
         wide.nodes.shrink_to_fit();
         let order = std::mem::take(&mut wide.primitive_indices);
-        (Self(wide), order)
+        let depth = depth(&wide);
+        (Self { tree: wide, depth }, order)
     }
 
     #[inline(always)]
-    fn closest(&self, way: &Way, mut visit: impl FnMut(usize) -> f32) {
+    fn closest(&self, way: &Way, visit: impl FnMut(usize) -> f32) {
+        if self.depth <= STACK {
+            self.closest_with(way, StackStack::<UVec2, STACK>::default(), visit);
+        } else {
+            self.closest_with(way, HeapStack::new_with_capacity(self.depth), visit);
+        }
+    }
+
+    #[inline(always)]
+    fn any(&self, way: &Way, visit: impl FnMut(usize) -> bool) -> bool {
+        if self.depth <= STACK {
+            self.any_with(way, StackStack::<UVec2, STACK>::default(), visit)
+        } else {
+            self.any_with(way, HeapStack::new_with_capacity(self.depth), visit)
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        size_of_val(self.tree.nodes.as_slice())
+    }
+}
+
+impl Wide {
+    #[inline(always)]
+    fn closest_with(&self, way: &Way, stack: impl FastStack<UVec2>, mut visit: impl FnMut(usize) -> f32) {
         let mut ray = ray(way);
-        let mut state = Traversal::new(&self.0, &ray);
+        let mut state = Traversal::new(&self.tree, &ray, stack);
         let mut node: &CwBvhNode;
-        obvhs::traverse!(self.0, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        obvhs::traverse!(self.tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
             ray.tmax = ray.tmax.min(visit(state.primitive_id as usize));
         });
     }
 
     #[inline(always)]
-    fn any(&self, way: &Way, mut visit: impl FnMut(usize) -> bool) -> bool {
+    fn any_with(
+        &self,
+        way: &Way,
+        stack: impl FastStack<UVec2>,
+        mut visit: impl FnMut(usize) -> bool,
+    ) -> bool {
         let ray = ray(way);
-        let mut state = Traversal::new(&self.0, &ray);
+        let mut state = Traversal::new(&self.tree, &ray, stack);
         let mut node: &CwBvhNode;
-        obvhs::traverse!(self.0, node, state, node.intersect_ray(&ray, state.oct_inv4), {
+        obvhs::traverse!(self.tree, node, state, node.intersect_ray(&ray, state.oct_inv4), {
             if visit(state.primitive_id as usize) {
                 return true;
             }
         });
         false
     }
+}
 
-    fn bytes(&self) -> usize {
-        size_of_val(self.0.nodes.as_slice())
+/// How many levels of nodes a wide tree has.
+fn depth(tree: &CwBvh) -> usize {
+    let mut level = if tree.nodes.is_empty() { vec![] } else { vec![&tree.nodes[0]] };
+    let mut depth = 0;
+    while !level.is_empty() {
+        depth += 1;
+        // Child nodes lie side by side, in the order of their bits.
+        let children = |node: &CwBvhNode| {
+            let first = node.child_base_idx as usize;
+            first..first + node.imask.count_ones() as usize
+        };
+        level = level.into_iter().flat_map(children).map(|index| &tree.nodes[index]).collect();
     }
+    depth
 }
 
 /// The binary tree that both start from.
@@ -243,8 +294,8 @@ fn ray(way: &Way) -> Ray {
 }
 
 /// Where a traversal of a wide tree stands. As obvhs' own, with room for deeper trees.
-struct Traversal {
-    stack: StackStack<UVec2, WIDE_STACK>,
+struct Traversal<T> {
+    stack: T,
     current_group: UVec2,
     primitive_group: UVec2,
     oct_inv4: u32,
@@ -252,21 +303,98 @@ struct Traversal {
     hitmask: u32,
 }
 
-/// Levels of the deepest wide tree.
-const WIDE_STACK: usize = 64;
-
-impl Traversal {
+impl<T: FastStack<UVec2>> Traversal<T> {
     #[inline(always)]
-    fn new(tree: &CwBvh, ray: &Ray) -> Self {
+    fn new(tree: &CwBvh, ray: &Ray, stack: T) -> Self {
         let obvhs::cwbvh::Traversal { current_group, primitive_group, oct_inv4, .. } =
             tree.new_traversal(ray.direction);
-        Self {
-            stack: StackStack::default(),
-            current_group,
-            primitive_group,
-            oct_inv4,
-            primitive_id: 0,
-            hitmask: 0,
+        Self { stack, current_group, primitive_group, oct_inv4, primitive_id: 0, hitmask: 0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::bvh::frame::Frame;
+    use glam::{Vec3, Vec3A};
+
+    /// How far the next of the nested boxes reaches, beside the one around it.
+    const SHRINKING: f32 = 0.985;
+
+    /// Boxes in each other, all with a corner at zero, and in the opposite corner of each a bunch of small ones: a ray that comes
+    /// from zero goes down to the innermost first and has a bunch to put off at every level.
+    fn deep(levels: usize) -> Bvh2 {
+        let inner = |aabb: Aabb, first: usize| Bvh2Node::new(aabb, 0, u32::try_from(first).expect("few"));
+        let whole = Aabb::new(Vec3A::ZERO, Vec3A::ONE);
+        let mut tree = Bvh2 { nodes: vec![inner(whole, 0)], ..Bvh2::default() };
+        let (mut spine, mut side) = (0, 1.0_f32);
+        for _ in 0..levels {
+            let bunch = Aabb::new(Vec3A::splat(0.9 * side), Vec3A::splat(side));
+            let first = tree.nodes.len();
+            tree.nodes[spine] = inner(*tree.nodes[spine].aabb(), first);
+            side *= SHRINKING;
+            tree.nodes.extend([inner(Aabb::new(Vec3A::ZERO, Vec3A::splat(side)), 0), inner(bunch, 0)]);
+            fill(&mut tree, first + 1, 16);
+            spine = first;
         }
+        fill(&mut tree, spine, 1);
+        tree.max_depth = tree.depth(0);
+        tree
+    }
+
+    /// Makes a node the root of so many leaves, a power of two, with boxes like its own.
+    fn fill(tree: &mut Bvh2, at: usize, leaves: usize) {
+        let aabb = *tree.nodes[at].aabb();
+        if leaves == 1 {
+            let place = u32::try_from(tree.primitive_indices.len()).expect("few");
+            tree.primitive_indices.push(place);
+            tree.nodes[at] = Bvh2Node::new(aabb, 1, place);
+            return;
+        }
+        let first = tree.nodes.len();
+        tree.nodes[at] = Bvh2Node::new(aabb, 0, u32::try_from(first).expect("few"));
+        tree.nodes.extend([Bvh2Node::new(aabb, 0, 0); 2]);
+        fill(tree, first, leaves / 2);
+        fill(tree, first + 1, leaves / 2);
+    }
+
+    /// The way along the diagonal that all boxes lie on.
+    fn diagonal() -> Way {
+        let bounds = crate::math::Aabb { min: Vec3::ZERO, max: Vec3::ONE };
+        let ray = crate::geometry::Ray::new(Vec3::splat(-1.0), Vec3::ONE);
+        Frame::around(bounds, 1.0).enter(&ray).expect("it enters")
+    }
+
+    fn all_are_visited(tree: &impl Hierarchy, count: usize) {
+        let mut visited = vec![0; count];
+        tree.closest(&diagonal(), |place| {
+            visited[place] += 1;
+            f32::INFINITY
+        });
+        assert!(visited.iter().all(|&times| times == 1), "the nearest: {visited:?}");
+        let mut asked = 0;
+        let found = tree.any(&diagonal(), |_| {
+            asked += 1;
+            false
+        });
+        assert!(!found && asked == count, "any: {asked} of {count} asked");
+    }
+
+    #[test]
+    fn deep_trees_lose_nothing_and_small_stacks_would() {
+        let tree = deep(600);
+        let count = tree.primitive_indices.len();
+        assert!(tree.max_depth > 600, "{}", tree.max_depth);
+        let wide = bvh2_to_cwbvh(&tree, 3, true, false);
+        let wide = Wide { depth: depth(&wide), tree: wide };
+        assert!(wide.depth > STACK, "too shallow to fill a stack: {}", wide.depth);
+        all_are_visited(&wide, count);
+        let mut reached = 0;
+        wide.closest_with(&diagonal(), StackStack::<UVec2, STACK>::default(), |_| {
+            reached += 1;
+            f32::INFINITY
+        });
+        assert!(reached < count, "a stack of {STACK} is enough for {} levels", wide.depth);
+        all_are_visited(&Binary(tree), count);
     }
 }

@@ -60,10 +60,8 @@ impl RayLanes<'_> {
     pub(super) fn get(&self, lane: usize) -> Ray {
         let number = |component| f32::from_bits(self.words[component * self.n + lane]);
         let vector = |first| Vec3::new(number(first), number(first + 1), number(first + 2));
-        let mut ray = Ray::new(vector(0), vector(DIRECTION)).until(number(T_MAX)).at_time(number(TIME));
-        ray.t_min = number(T_MIN);
-        ray.mask = self.words[MASK * self.n + lane];
-        ray
+        let ray = Ray::new(vector(0), vector(DIRECTION)).starting(number(T_MIN)).until(number(T_MAX));
+        ray.at_time(number(TIME)).seeing(self.words[MASK * self.n + lane])
     }
 
     /// Ends the ray of a lane.

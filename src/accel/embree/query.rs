@@ -15,7 +15,7 @@
 //! little beside the traversal.
 
 use super::scene::{Committed, Scene};
-use crate::accel::packet::placement;
+use crate::accel::packet::{intersect_one_by_one, occluded_one_by_one, placement};
 use crate::accel::{Active, Coherence, HitPacket, HitStream, Packet, RayPacket, RayStream};
 use crate::geometry::{Hit, Ray};
 use embree4_sys as sys;
@@ -149,10 +149,7 @@ impl Scene<Committed> {
             self.trace(active, packet, &mut intersect_arguments(coherence));
             return;
         }
-        for lane in active.lanes() {
-            let hit = self.intersect(&packet.ray.get(lane));
-            packet.set_hit(lane, hit.as_ref());
-        }
+        intersect_one_by_one(active, packet, |ray| self.intersect(ray));
     }
 
     /// Whether anything lies within the range of each active lane; see [`crate::accel::Accel::occluded_packet`].
@@ -167,11 +164,7 @@ impl Scene<Committed> {
             self.trace_occluded(active, rays, &mut occluded_arguments(coherence));
             return;
         }
-        for lane in active.lanes() {
-            if self.occluded(&rays.get(lane)) {
-                rays.t_max[lane] = f32::NEG_INFINITY;
-            }
-        }
+        occluded_one_by_one(active, rays, |ray| self.occluded(ray));
     }
 
     /// Traces a packet of 4, 8 or 16 whose active lanes have their identifiers preset.

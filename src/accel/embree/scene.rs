@@ -1,4 +1,7 @@
 //! Scenes: open to geometries first, committed and frozen after.
+//!
+//! Specula builds each once. Opening them again, taking geometries out and `SceneOptions::dynamic` are for programs that use the
+//! library and change what they trace.
 
 use super::after::After;
 use super::device::Device;

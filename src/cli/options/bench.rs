@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{check_target, on_command_line, threads, twice};
+use super::{check_target, given, is_same, on_command_line, spare, threads, twice};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
 use crate::error::{Problem, Problems, Result};
@@ -110,20 +110,18 @@ fn unknown(flag: &str, word: &str, known: &[String]) -> Problem {
 /// A whole number from 1 to `most`.
 fn whole(flag: &str, text: &str, most: usize, problems: &mut Problems) -> Option<usize> {
     let number = text.trim().parse().ok().filter(|n| (1..=most).contains(n));
-    if number.is_none() {
-        problems.push(
-            on_command_line(format!("`--{flag} {text}` is not a number of {flag}"))
-                .remedy(format!("give a whole number from 1 to {most}")),
-        );
-    }
-    number
+    let remedy = || format!("give a whole number from 1 to {most}");
+    given(number, (flag, text), &format!("a number of {flag}"), remedy, problems)
 }
 
 fn check_files(args: &BenchArgs, problems: &mut Problems) {
     let targets: Vec<&PathBuf> = args.report.iter().chain(&args.record).collect();
-    targets.iter().for_each(|path| check_target(path, problems));
+    for target in &targets {
+        check_target(target, problems);
+        spare(args.scenes.iter().chain(&args.replay), target, problems);
+    }
     if let [report, record] = targets[..]
-        && report == record
+        && is_same(report, record)
     {
         problems.push(twice(report));
     }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{Output, check_target, crop, is_same, on_command_line, outputs, twice};
+use super::{Output, check_target, crop, is_same, outputs, spare, twice};
 use crate::cli::args::MergeArgs;
 use crate::error::{Problems, Result};
 use crate::film::Precision;
@@ -25,15 +25,12 @@ impl MergeOptions {
         let outputs = outputs(args.output.clone(), &mut problems);
         if let Some(path) = &args.stats {
             check_target(path, &mut problems);
-            if outputs.iter().any(|output| output.path == *path) {
+            if outputs.iter().any(|output| is_same(&output.path, path)) {
                 problems.push(twice(path));
             }
         }
         for path in outputs.iter().map(|output| &output.path).chain(&args.stats) {
-            if args.parts.iter().any(|part| is_same(part, path)) {
-                let what = format!("`{}` is merged and would be overwritten", path.display());
-                problems.push(on_command_line(what).remedy("name another file for the picture"));
-            }
+            spare(&args.parts, path, &mut problems);
         }
         let options = Self {
             parts: args.parts.clone(),

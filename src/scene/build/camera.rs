@@ -1,8 +1,9 @@
 //! The camera while the shutter is open.
 
 use crate::camera::{Camera, Lens, MovingPinhole, Pinhole, Viewpoint};
-use crate::scene::build::{Origin, Shutter};
+use crate::scene::build::{Origin, Shutter, unit};
 use crate::scene::description::{self, CameraKey, Located};
+use glam::Vec3;
 
 /// When the shutter is open.
 pub(super) fn shutter(camera: &description::Camera) -> Shutter {
@@ -21,17 +22,19 @@ pub(super) fn camera(camera: &description::Camera, origin: Origin, size: [u32; 2
 fn stand(camera: &description::Camera, has_lens: bool, origin: Origin, size: [u32; 2]) -> Camera {
     let description::Camera::Perspective { from, at, up, vfov_deg, focus_distance, keys, .. } = camera;
     if keys.is_empty() {
-        let pinhole =
-            Pinhole::new([origin.place(*from), origin.place(*at), *up], vfov_deg.to_radians(), size);
+        let place = [origin.place(*from), origin.place(*at), unit(up.as_dvec3())];
+        let pinhole = Pinhole::new(place, vfov_deg.to_radians(), size);
         return focus_distance.map_or(pinhole, |distance| pinhole.focused(distance)).into();
     }
     let viewpoint = |key: &Located<CameraKey>| {
-        let [from, at] = [key.from.unwrap_or(*from), key.at.unwrap_or(*at)].map(|p| origin.place(p));
-        let place = [from, at, key.up.unwrap_or(*up)];
-        let own = Viewpoint::new(place, key.vfov_deg.unwrap_or(*vfov_deg).to_radians());
+        // The difference before it is rounded: only the first key is sure to be near where the scene is counted from.
+        let [from, at] = [key.from.unwrap_or(*from), key.at.unwrap_or(*at)];
+        let view = [Vec3::ZERO, (at - from).as_vec3(), unit(key.up.unwrap_or(*up).as_dvec3())];
+        let own = Viewpoint::new(view, key.vfov_deg.unwrap_or(*vfov_deg).to_radians());
         let focus = key.focus_distance.or(*focus_distance).unwrap_or(own.focus);
         // A focus that nothing depends on must not pass for a movement.
-        (key.time_s, Viewpoint { focus: if has_lens { focus } else { 1.0 }, ..own })
+        let focus = if has_lens { focus } else { 1.0 };
+        (key.time_s, Viewpoint { eye: origin.place(from), focus, ..own })
     };
     let keys: Vec<_> = keys.iter().map(viewpoint).collect();
     let cut = during(&keys, shutter(camera));
@@ -72,7 +75,7 @@ fn at(keys: &[(f64, Viewpoint)], time_s: f64) -> Viewpoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{Quat, Vec3};
+    use glam::Quat;
 
     #[test]
     fn the_shutter_cuts_out_its_part_of_the_way() {

@@ -1,16 +1,16 @@
 //! Shapes made of numbers, and shapes moved to their place.
 
-use crate::geometry::{Disc, Mesh, Shape, Sphere};
+use crate::geometry::{Disc, Mesh, MeshError, Shape, Sphere};
 use crate::math::Transform;
 use glam::{Affine3A, Vec2, Vec3};
 
 /// Two triangles; its outside is that of `u` x `v`, and surface parameters run from 0 to 1 along them.
-pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> Mesh {
+pub(super) fn rectangle(center: Vec3, u: Vec3, v: Vec3) -> Result<Mesh, MeshError> {
     quads(&[[center - u - v, center + u - v, center + u + v, center - u + v]])
 }
 
 /// Twelve triangles facing outwards, surface parameters from 0 to 1 on each face.
-pub(super) fn cuboid(min: Vec3, max: Vec3) -> Mesh {
+pub(super) fn cuboid(min: Vec3, max: Vec3) -> Result<Mesh, MeshError> {
     let corner = |x: u8, y: u8, z: u8| {
         let pick = |high: u8, low: f32, up: f32| if high == 1 { up } else { low };
         Vec3::new(pick(x, min.x, max.x), pick(y, min.y, max.y), pick(z, min.z, max.z))
@@ -25,15 +25,13 @@ pub(super) fn cuboid(min: Vec3, max: Vec3) -> Mesh {
     ])
 }
 
-fn quads(faces: &[[Vec3; 4]]) -> Mesh {
+fn quads(faces: &[[Vec3; 4]]) -> Result<Mesh, MeshError> {
     let positions = faces.iter().flatten().copied().collect();
     let triangles =
         (0..).step_by(4).take(faces.len()).flat_map(|i| [[i, i + 1, i + 2], [i, i + 2, i + 3]]).collect();
     let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let uvs = faces.iter().flat_map(|_| corners).collect();
-    Mesh::new(positions, triangles)
-        .and_then(|mesh| mesh.with_uvs(uvs))
-        .expect("four vertices per face, finite as a scene file's numbers are")
+    Mesh::new(positions, triangles)?.with_uvs(uvs)
 }
 
 /// The shape carried to its place, where it stays of its kind: meshes under every map, spheres and discs where angles and
@@ -72,13 +70,13 @@ mod tests {
 
     #[test]
     fn boxes_and_rectangles_face_outwards() {
-        let mesh = cuboid(Vec3::new(-1.0, -2.0, -3.0), Vec3::new(1.0, 2.0, 3.0));
+        let mesh = cuboid(Vec3::new(-1.0, -2.0, -3.0), Vec3::new(1.0, 2.0, 3.0)).expect("a box");
         assert_eq!(mesh.triangles().len(), 12, "two per face");
         for triangle in 0..12 {
             let [a, b, c] = mesh.corners(triangle);
             assert!((b - a).cross(c - a).dot(a) > 0.0, "triangle {triangle} faces inwards");
         }
-        let flat = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y);
+        let flat = rectangle(Vec3::ZERO, Vec3::X, Vec3::Y).expect("a rectangle");
         let [a, b, c] = flat.corners(0);
         assert!((b - a).cross(c - a).z > 0.0, "u x v");
     }

@@ -10,7 +10,7 @@ use crate::light::{
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
 use crate::sampling::TableError;
-use crate::scene::build::{Builder, forms, number, steps, way};
+use crate::scene::build::{Builder, forms, number, steps, unit, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::texture::Texture;
 use glam::{DAffine3, Vec3};
@@ -26,26 +26,27 @@ impl Builder {
                     self.add_light(Light::Point(Point { position: position.into(), intensity }));
                 }
                 &Described::Spot { position, at, intensity, angle_deg, softness } => {
-                    let [position, at] = [position, at].map(|p| self.origin.place(p));
                     let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
-                    let axis = (at - position).normalize().into();
-                    let position = position.into();
+                    let axis = unit(at - position).into();
+                    let position = self.origin.place(position).into();
                     self.add_light(Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }));
                 }
                 &Described::Directional { direction, irradiance } => {
-                    let direction = direction.normalize().into();
+                    let direction = unit(direction.as_dvec3()).into();
                     self.add_light(Light::Directional(Directional { direction, irradiance }));
                 }
                 &Described::Rectangle { center, edge_u, edge_v, radiance } => {
                     let center = self.origin.place(center);
                     let surface = RectangleArea::new(center, edge_u, edge_v);
                     let shining = Light::Rectangle(Area { surface, radiance, two_sided: false });
-                    let shape = Shape::Mesh(forms::rectangle(center, edge_u, edge_v));
-                    self.add_shining(shape, shining, radiance, &light.place);
+                    if let Some(shape) = self.mesh_of(forms::rectangle(center, edge_u, edge_v), &light.place)
+                    {
+                        self.add_shining(shape, shining, radiance, &light.place);
+                    }
                 }
                 &Described::Disc { center, normal, radius, radiance } => {
                     let center = self.origin.place(center);
-                    let normal = normal.normalize();
+                    let normal = unit(normal.as_dvec3());
                     let surface = DiscArea::new(center, normal, radius);
                     let shining = Light::Disc(Area { surface, radiance, two_sided: false });
                     let shape = Shape::Disc(Disc { center, normal, radius });
@@ -93,7 +94,11 @@ impl Builder {
             Ok(map) => DAffine3::from_translation(-self.origin.0) * map * own,
             Err(problem) => return self.problems.push(problem),
         };
-        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else { return };
+        let Some(Shape::Mesh(mesh)) = forms::moved(&shape, &way::single(&map)) else {
+            let problem =
+                Problem::at(place.clone(), "a mesh light is carried infinitely far from the camera");
+            return self.problems.push(problem.remedy("move it nearer"));
+        };
         match of_triangles(shining(&mesh), radiance, false) {
             Ok(light) => {
                 let groups = mesh.group_count();
@@ -117,12 +122,7 @@ impl Builder {
             Sky::File { file } => {
                 let decoded = match image::read(&file.value) {
                     Ok(decoded) => decoded,
-                    Err(crate::error::Error::Input(problems)) => {
-                        return problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                    }
-                    Err(error) => {
-                        return self.problems.push(Problem::at(file.place.clone(), error.to_string()));
-                    }
+                    Err(error) => return self.problems.absorb(error, Some(&file.place)),
                 };
                 self.warnings.extend(decoded.warnings);
                 match EnvironmentMap::new(decoded.image, scale, rotation) {

@@ -1,14 +1,12 @@
 //! Materials.
 
 use crate::bsdf::microfacet::{Beckmann, Distribution, Ggx, SMOOTHEST};
-use crate::bsdf::{
-    Below, Coat, FresnelModel, Glass, Glossy, Jitter, Metal, Phong, PhongScale, Schlick, ThinDielectric,
-};
+use crate::bsdf::{Coat, FresnelModel, Glass, Glossy, Jitter, Metal, Phong, Schlick, ThinDielectric};
 use crate::error::Problem;
 use crate::material::{Emission, Facets, Layer, Material, Medium, Scattering, conductors};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
-use crate::scene::description::{self, Fresnel, MixPart, Named, Optics, PerTangent, Roughness};
+use crate::scene::description::{self, MixPart, Named, Optics, PerTangent, Roughness};
 use crate::texture::Texture;
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
@@ -19,8 +17,8 @@ impl Builder {
         let plain: Vec<Option<Material>> = materials.iter().map(|named| self.plain(named)).collect();
         for (named, own) in materials.iter().zip(&plain) {
             let material = own.clone().unwrap_or_else(|| self.mix(named, materials, &plain));
-            self.add_material(named.name.clone(), material);
-            self.material_names.push(named.name.clone());
+            let id = self.add_material(named.name.clone(), material);
+            self.named.insert(named.name.clone(), id);
         }
     }
 
@@ -51,6 +49,14 @@ impl Builder {
             let found = materials.iter().position(|other| other.name == material.value);
             match found.and_then(|index| plain[index].as_ref()) {
                 Some(part) if part.emission.is_none() => {
+                    if part.relief.is_some() || part.opacity.is_some() {
+                        let what = format!(
+                            "the relief and the holes of `{}` are not those of the mix",
+                            material.value
+                        );
+                        let remedy = "give `normal_map`, `bump` or `opacity` to the mix";
+                        self.warnings.push(Problem::at(material.place.clone(), what).remedy(remedy));
+                    }
                     layers.push(Layer { weight: *weight, scattering: part.scattering.clone() });
                 }
                 Some(_) => {
@@ -122,20 +128,11 @@ impl Builder {
                 Scattering::Mirror { reflectance: self.texture(reflectance) }
             }
             Described::Glossy { exponent, reflectance, diffuse, below } => {
-                let below = match below {
-                    description::Below::ThroughR => Below::ThroughR,
-                    description::Below::Discard => Below::Discard,
-                    description::Below::Rejection => Below::Rejection,
-                };
-                let lobe = Glossy { reflectance: *reflectance, exponent: *exponent, below };
+                let lobe = Glossy { reflectance: *reflectance, exponent: *exponent, below: *below };
                 Scattering::Glossy { lobe, base: self.texture(diffuse) }
             }
             Described::Phong { exponent, reflectance, diffuse, scale } => {
-                let scale = match scale {
-                    description::PhongScale::Modified => PhongScale::Modified,
-                    description::PhongScale::MaxCosine => PhongScale::MaxCosine,
-                };
-                let lobe = Phong { reflectance: *reflectance, exponent: *exponent, scale };
+                let lobe = Phong { reflectance: *reflectance, exponent: *exponent, scale: *scale };
                 Scattering::Phong { lobe, base: self.texture(diffuse) }
             }
             Described::Jitter { exponent, reflectance, diffuse } => {
@@ -185,12 +182,12 @@ impl Builder {
 
     /// What a material says of its reflectance, else what the rendering says: who writes it beside a material means that
     /// one, as in a comparison.
-    fn model(&self, own: Option<Fresnel>) -> FresnelModel {
-        own.map_or(self.fresnel, Into::into)
+    fn model(&self, own: Option<FresnelModel>) -> FresnelModel {
+        own.unwrap_or(self.fresnel)
     }
 
     /// The same for a dielectric, of which it is told where the approximation is bad.
-    fn model_for(&mut self, own: Option<Fresnel>, ior: f32) -> FresnelModel {
+    fn model_for(&mut self, own: Option<FresnelModel>, ior: f32) -> FresnelModel {
         let model = self.model(own);
         #[expect(clippy::float_cmp, reason = "no interface reflects nothing in every model")]
         if model == FresnelModel::Schlick && ior != 1.0 && !SCHLICK_IS_CLOSE.contains(&ior) {
@@ -212,7 +209,7 @@ impl Builder {
         match alpha {
             Roughness::Constant(widths) => facets(*widths, distribution, rotate_deg),
             Roughness::Image(image) => {
-                let width = self.scalar(image)?;
+                let width = self.scalar(image, "the surface is left polished")?;
                 let distribution = spread(distribution, [SMOOTHEST; 2]);
                 Some(Facets { distribution, turn: None, width: Some(width) })
             }
@@ -234,17 +231,6 @@ impl Builder {
                 self.problems.push(Problem::at(metal.place.clone(), what).remedy(remedy));
                 (Rgb::WHITE, Rgb::WHITE)
             }
-        }
-    }
-}
-
-impl From<Fresnel> for FresnelModel {
-    fn from(described: Fresnel) -> Self {
-        match described {
-            Fresnel::Exact => Self::Exact,
-            Fresnel::Schlick => Self::Schlick,
-            Fresnel::F82 => Self::F82,
-            Fresnel::Constant => Self::Constant,
         }
     }
 }

@@ -26,8 +26,10 @@ use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
 use crate::scene::description::{Description, GlassShadows};
 use crate::scene::frozen::Surface;
+use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
+use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 use textures::Textures;
@@ -48,7 +50,7 @@ pub struct Built {
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
-    let fresnel = description.render.fresnel.into();
+    let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let mut builder = Builder { shutter, origin, fresnel, ..Builder::default() };
     builder.add_materials(&description.materials);
@@ -90,8 +92,8 @@ struct Builder {
     materials: Vec<Material>,
     /// How reflectance depends on the angle where a material does not say.
     fresnel: FresnelModel,
-    /// Names of the scene's own materials, by number; those of mesh files follow without names.
-    material_names: Vec<String>,
+    /// The scene's own materials; those of mesh files cannot be named.
+    named: HashMap<String, MaterialId>,
     lights: Vec<Light>,
     environment: Option<LightId>,
     textures: Textures,
@@ -136,6 +138,12 @@ impl Builder {
         self.origins.push(origin.clone());
         self.world.place(shape, pose)
     }
+}
+
+/// The direction of a vector of any length but zero. Single precision does not hold the squares of long and short ones, and
+/// loses the direction between places that are far out.
+fn unit(v: DVec3) -> Vec3 {
+    (v / v.abs().max_element()).normalize().as_vec3()
 }
 
 /// # Panics

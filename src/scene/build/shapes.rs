@@ -1,11 +1,11 @@
 //! Shapes and their instances.
 
-use crate::error::{Error, Place, Problem};
+use crate::error::{Place, Problem};
 use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
 use crate::scene::build::way::{Placed, Way};
-use crate::scene::build::{Builder, forms, lights, steps};
+use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::track::Track;
@@ -176,16 +176,19 @@ impl Builder {
         let shape = match &described.form {
             &Form::Sphere { center, radius } => Shape::Sphere(Sphere { center: local(center), radius }),
             &Form::Disc { center, normal, radius } => {
-                Shape::Disc(Disc { center: local(center), normal: normal.normalize(), radius })
+                let normal = unit(normal.as_dvec3());
+                Shape::Disc(Disc { center: local(center), normal, radius })
             }
             &Form::Rectangle { center, edge_u, edge_v } => {
-                Shape::Mesh(forms::rectangle(local(center), edge_u, edge_v))
+                self.mesh_of(forms::rectangle(local(center), edge_u, edge_v), &described.place)?
             }
-            &Form::Box { min, max } => Shape::Mesh(forms::cuboid(local(min), local(max))),
+            &Form::Box { min, max } => {
+                self.mesh_of(forms::cuboid(local(min), local(max)), &described.place)?
+            }
             form @ (Form::Cylinder { .. } | Form::Cone { .. } | Form::Torus { .. }) => {
                 self.surface_of(form, origin, &described.place)?
             }
-            form @ Form::HeightField { .. } => self.height_field(form, origin)?,
+            form @ Form::HeightField { .. } => self.height_field(form, origin, &described.place)?,
             Form::Mesh { .. } | Form::Instance { .. } => return None,
         };
         Some(Made { shape, origin, materials: vec![own?] })
@@ -204,12 +207,8 @@ impl Builder {
                 self.files.append(&mut loaded.libraries);
                 Some(loaded)
             }
-            Err(Error::Input(problems)) => {
-                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                None
-            }
             Err(error) => {
-                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                self.problems.absorb(error, Some(&file.place));
                 None
             }
         }
@@ -238,8 +237,7 @@ impl Builder {
     }
 
     fn material_named(&self, name: &str) -> Option<MaterialId> {
-        let index = self.material_names.iter().position(|known| known == name)?;
-        Some(MaterialId(super::number(index)))
+        self.named.get(name).copied()
     }
 
     /// Makes a light of a placement whose material emits.
@@ -257,9 +255,17 @@ impl Builder {
             return self.problems.push(problem.remedy(remedy));
         }
         if materials.iter().any(|id| *id != first) {
-            let what = "a mesh that emits in some of its groups only cannot be asked for light";
-            let problem = Problem::at(place.clone(), what);
-            return self.problems.push(problem.remedy("split the emitting part off into a file of its own"));
+            let all_emit = materials.iter().all(|id| self.materials[id.index()].emission.is_some());
+            let (what, remedy) = if all_emit {
+                ("a mesh that emits in more than one material", "split it into a file for each of them")
+            } else {
+                (
+                    "a mesh that emits in some of its groups only",
+                    "split the emitting part off into a file of its own",
+                )
+            };
+            let problem = Problem::at(place.clone(), format!("{what} cannot be asked for light"));
+            return self.problems.push(problem.remedy(remedy));
         }
         if self.materials[first.index()].opacity.is_some() {
             let what = "a surface that emits light has holes";

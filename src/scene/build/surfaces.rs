@@ -1,7 +1,7 @@
 //! Round bodies that find their own hits, and height fields.
 
-use crate::error::{Error, Place, Problem};
-use crate::geometry::{Frustum, HeightField, Shape, Surface, Torus};
+use crate::error::{Place, Problem};
+use crate::geometry::{Frustum, HeightField, Mesh, MeshError, Shape, Surface, Torus};
 use crate::image;
 use crate::scene::build::Builder;
 use crate::scene::description::{Form, HeightNormals, Located};
@@ -34,22 +34,30 @@ impl Builder {
     }
 
     /// The mesh of a height field, counted from `origin`.
-    pub(super) fn height_field(&mut self, form: &Form, origin: DVec3) -> Option<Shape> {
+    pub(super) fn height_field(&mut self, form: &Form, origin: DVec3, place: &Place) -> Option<Shape> {
         let Form::HeightField { file, center, size, height, normals } = form else { return None };
         let field = self.heights_of_file(file, *height)?;
         let smooth = *normals == HeightNormals::Smooth;
-        Some(Shape::Mesh(field.mesh((*center - origin).as_vec3(), Vec2::from(*size), smooth)))
+        self.mesh_of(field.mesh((*center - origin).as_vec3(), Vec2::from(*size), smooth), place)
+    }
+
+    /// A mesh made of numbers, unless they are too large for one.
+    pub(super) fn mesh_of(&mut self, made: Result<Mesh, MeshError>, place: &Place) -> Option<Shape> {
+        match made {
+            Ok(mesh) => Some(Shape::Mesh(mesh)),
+            Err(error) => {
+                let problem = Problem::at(place.clone(), error.to_string());
+                self.problems.push(problem.remedy("scale the scene down"));
+                None
+            }
+        }
     }
 
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
         let picture = match image::read_gray(&file.value) {
             Ok(picture) => picture,
-            Err(Error::Input(problems)) => {
-                problems.0.into_iter().for_each(|problem| self.problems.push(problem));
-                return None;
-            }
             Err(error) => {
-                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                self.problems.absorb(error, Some(&file.place));
                 return None;
             }
         };

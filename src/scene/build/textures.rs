@@ -1,13 +1,11 @@
 //! Pictures on surfaces, each file read once.
 
-use crate::error::{Error, Place, Problem};
+use crate::error::{Error, Problem};
 use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
-use crate::scene::description::{self, ImageTexture, Located, ScalarTexture};
-use crate::texture::{
-    Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture, Wrap,
-};
+use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
+use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -34,12 +32,14 @@ impl Textures {
     }
 }
 
-/// How a picture lies.
-struct Lie {
-    wrap: description::Wrap,
-    repeat: [f32; 2],
-    offset: [f32; 2],
-}
+/// The channel where none is said: the shade of gray pictures.
+const SHADE: Channel = Channel::Red;
+
+/// What becomes of a surface without the picture of a file that cannot be read.
+const GRAY: &str = "the surface is made gray";
+const DARK: &str = "the surface does not shine by it";
+const WHOLE: &str = "the surface is left whole";
+const EVEN: &str = "the surface is left even";
 
 impl Builder {
     /// What colours something that reflects.
@@ -47,7 +47,8 @@ impl Builder {
         self.colored(texture, 1.0)
     }
 
-    /// A texture of which no channel exceeds a limit; middle gray where its file cannot be read.
+    /// A texture of which no channel exceeds a limit. Where its file cannot be read, what reflects is middle gray, and what would
+    /// shine, which has no limit, is black.
     pub(super) fn colored(&mut self, texture: &description::Texture, limit: f32) -> Texture {
         match texture {
             description::Texture::Constant(color) => Texture::Constant(*color),
@@ -55,20 +56,22 @@ impl Builder {
                 Texture::Checker { colors: checker.checker, repeat: checker.repeat.into() }
             }
             description::Texture::Image(image) => {
-                let &ImageTexture { ref file, space, wrap, repeat, offset, factor } = &**image;
-                match self.mapped(file, space, Lie { wrap, repeat, offset }) {
+                let &ImageTexture { ref file, space, factor, ref lie } = &**image;
+                let (fallback, without) =
+                    if limit.is_finite() { (Rgb::gray(0.5), GRAY) } else { (Rgb::BLACK, DARK) };
+                match self.mapped(file, space, lie, without) {
                     Some(map) => Texture::Image { map, factor, limit },
-                    None => Texture::Constant(Rgb::gray(0.5)),
+                    None => Texture::Constant(fallback),
                 }
             }
         }
     }
 
-    /// A number that varies over a surface.
-    pub(super) fn scalar(&mut self, image: &ScalarTexture) -> Option<Scalar> {
-        let &ScalarTexture { ref file, channel, space, wrap, repeat, offset, factor } = image;
-        let map = self.mapped(file, Some(space), Lie { wrap, repeat, offset })?;
-        Some(Scalar { map, channel: channel_of(channel), factor })
+    /// A number that varies over a surface; `without` says what becomes of it where the file cannot be read.
+    pub(super) fn scalar(&mut self, image: &ScalarTexture, without: &str) -> Option<Scalar> {
+        let &ScalarTexture { ref file, channel, space, factor, ref lie } = image;
+        let map = self.mapped(file, Some(space), lie, without)?;
+        Some(Scalar { map, channel: channel.unwrap_or(SHADE), factor })
     }
 
     /// Where a surface is; coverage where the file has it.
@@ -77,14 +80,13 @@ impl Builder {
         let path = canonical(&image.file.value);
         let colored = self.textures.known.get(&(path, None)).and_then(Option::as_ref);
         let colored = colored.filter(|bitmap| bitmap.has_alpha()).cloned();
-        let is_alpha = matches!(image.channel, None | Some(description::Channel::Alpha));
+        let is_alpha = matches!(image.channel, None | Some(Channel::Alpha));
         let mut scalar = match colored.filter(|_| is_alpha) {
             Some(bitmap) => {
-                let &ScalarTexture { wrap, repeat, offset, factor, .. } = image;
-                let map = lying(bitmap, Lie { wrap, repeat, offset });
-                Scalar { map, channel: Channel::Alpha, factor }
+                let map = lying(bitmap, &image.lie);
+                Scalar { map, channel: Channel::Alpha, factor: image.factor }
             }
-            None => self.scalar(image)?,
+            None => self.scalar(image, WHOLE)?,
         };
         if image.channel.is_none() && scalar.map.bitmap.has_alpha() {
             scalar.channel = Channel::Alpha;
@@ -108,8 +110,8 @@ impl Builder {
 
     /// Heights. What MTL files call so are often normals.
     fn bump(&mut self, described: &description::Bump) -> Option<Relief> {
-        let &description::Bump { ref file, channel, strength, height, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        let &description::Bump { ref file, channel, strength, height, ref lie } = described;
+        let map = self.mapped(file, Some(Space::Linear), lie, EVEN)?;
         let [r, g, b, _] = map.bitmap.mean();
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
@@ -121,34 +123,36 @@ impl Builder {
             self.warnings.push(Problem::at(file.place.clone(), what).remedy(remedy));
         }
         let height = height.map_or(Height::Texels(strength), Height::Metres);
-        Some(Relief::Heights(Heights { map, channel: channel_of(channel), height }))
+        Some(Relief::Heights(Heights { map, channel: channel.unwrap_or(SHADE), height }))
     }
 
     fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
-        let &description::NormalMap { ref file, strength, flip_y, wrap, repeat, offset } = described;
-        let map = self.mapped(file, Some(description::Space::Linear), Lie { wrap, repeat, offset })?;
+        let &description::NormalMap { ref file, strength, flip_y, ref lie } = described;
+        let map = self.mapped(file, Some(Space::Linear), lie, EVEN)?;
         Some(NormalMap { map, strength, flip_y })
     }
 
     fn mapped(
         &mut self,
         file: &Located<PathBuf>,
-        space: Option<description::Space>,
-        lie: Lie,
+        space: Option<Space>,
+        lie: &Lie,
+        without: &str,
     ) -> Option<Mapped> {
-        let space = space.map(|space| match space {
-            description::Space::Srgb => Space::Srgb,
-            description::Space::Linear => Space::Linear,
-        });
-        Some(lying(self.bitmap(file, space)?, lie))
+        Some(lying(self.bitmap(file, space, without)?, lie))
     }
 
-    fn bitmap(&mut self, file: &Located<PathBuf>, space: Option<Space>) -> Option<Arc<Bitmap>> {
+    fn bitmap(
+        &mut self,
+        file: &Located<PathBuf>,
+        space: Option<Space>,
+        without: &str,
+    ) -> Option<Arc<Bitmap>> {
         let key = (canonical(&file.value), space);
         if let Some(known) = self.textures.known.get(&key) {
             return known.clone();
         }
-        let read = self.read(&file.value, &file.place, space).map(|bitmap| {
+        let read = self.read(file, space, without).map(|bitmap| {
             // The same may have been met with its space written out, or left to the file.
             let same = self.textures.bitmaps.iter().find(|known| ***known == bitmap).cloned();
             same.unwrap_or_else(|| {
@@ -161,17 +165,17 @@ impl Builder {
         read
     }
 
-    fn read(&mut self, path: &Path, place: &Place, space: Option<Space>) -> Option<Bitmap> {
-        let raster = match read_raster(path) {
+    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
+        let raster = match read_raster(&file.value) {
             Ok(raster) => raster,
             Err(error) => {
                 let what = match error {
                     Error::Input(problems) => problems.to_string(),
                     other => other.to_string(),
                 };
-                let problem = Problem::at(place.clone(), what);
+                let problem = Problem::at(file.place.clone(), what);
                 if self.textures.lenient {
-                    self.warnings.push(problem.remedy("the surface is made gray"));
+                    self.warnings.push(problem.remedy(without));
                 } else {
                     self.problems.push(problem);
                 }
@@ -184,26 +188,11 @@ impl Builder {
     }
 }
 
-/// The channel that is said, else that of gray pictures.
-fn channel_of(said: Option<description::Channel>) -> Channel {
-    match said {
-        None | Some(description::Channel::Red) => Channel::Red,
-        Some(description::Channel::Green) => Channel::Green,
-        Some(description::Channel::Blue) => Channel::Blue,
-        Some(description::Channel::Alpha) => Channel::Alpha,
-    }
-}
-
 /// The one name of a file.
 fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 
-fn lying(bitmap: Arc<Bitmap>, Lie { wrap, repeat, offset }: Lie) -> Mapped {
-    let wrap = match wrap {
-        description::Wrap::Repeat => Wrap::Repeat,
-        description::Wrap::Mirror => Wrap::Mirror,
-        description::Wrap::Clamp => Wrap::Clamp,
-    };
+fn lying(bitmap: Arc<Bitmap>, &Lie { wrap, repeat, offset }: &Lie) -> Mapped {
     Mapped { bitmap, wrap, repeat: repeat.into(), offset: offset.into() }
 }

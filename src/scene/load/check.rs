@@ -2,7 +2,9 @@
 
 use crate::bsdf::MOST_PARTS;
 use crate::camera::Viewpoint;
-use crate::scene::description::{Camera, CameraKey, Form, Light, Scattering, Shape, Step};
+use crate::scene::description::{
+    Bump, Camera, CameraKey, Form, Lie, Light, NormalMap, Scattering, Shape, Step,
+};
 use crate::scene::load::decode::Fields;
 use crate::scene::track;
 use glam::{DMat3, DVec3, DVec4, Vec3};
@@ -10,12 +12,14 @@ use std::f32::consts::PI;
 
 /// Sine of the least angle between directions that count as different. Smaller accepts frames whose axes are mostly
 /// rounding error; larger refuses views that are meant.
-const PARALLEL: f32 = 1e-5;
+const PARALLEL: f64 = 1e-5;
 
+/// Whether two vectors span no area, be it because one of them has no length.
 fn parallel(a: Vec3, b: Vec3) -> bool {
-    // Scaled first: squares of lengths beyond 1e19 are infinite, below 1e-19 zero.
-    let (a, b) = (a / a.abs().max_element(), b / b.abs().max_element());
-    a.cross(b).length() <= PARALLEL * a.length() * b.length()
+    // Double precision holds the squares of all that single precision holds.
+    let [a, b] = [a, b].map(Vec3::as_dvec3);
+    let span = a.cross(b).length();
+    span <= PARALLEL * a.length() * b.length()
 }
 
 /// A camera looks somewhere at every key, knows what is up there, and how it turns to the next; its iris spans an area, its
@@ -47,6 +51,7 @@ pub(crate) fn camera(camera: &Camera, fields: &mut Fields<'_>) {
     }
     let turned = |key: &CameraKey| {
         let (from, at, up) = view(key);
+        let up = up.as_dvec3().normalize().as_vec3();
         Viewpoint::new([Vec3::ZERO, (at - from).as_vec3(), up], 1.0).rotation
     };
     for (i, pair) in keys.windows(2).enumerate() {
@@ -64,14 +69,15 @@ type View = (DVec3, DVec3, Vec3);
 
 /// What is wrong with where a camera stands, where it looks and what is up: the key that says so, and what to do.
 fn view_fault((from, at, up): View) -> Option<(&'static str, &'static str, &'static str)> {
-    if from == at {
+    let view = (at - from).as_vec3();
+    if view == Vec3::ZERO {
         return Some(("at", "`at` is where the camera stands", "give another point to look at"));
     }
-    parallel((at - from).as_vec3(), up).then_some((
-        "up",
-        "`up` points along the view",
-        "give another direction",
-    ))
+    if !view.length().is_normal() {
+        let what = "`at` is too near to the camera, or too far away, for single precision";
+        return Some(("at", what, "give another point to look at"));
+    }
+    parallel(view, up).then_some(("up", "`up` points along the view", "give another direction"))
 }
 
 /// The least angle that the turn of a camera may lack of half a turn: less, and rounding chooses the way round.
@@ -133,6 +139,22 @@ pub(crate) fn form(form: &Form, fields: &mut Fields<'_>) {
     }
 }
 
+/// Normals are not mirrored.
+pub(crate) fn normal_map(normals: &NormalMap, fields: &mut Fields<'_>) {
+    unmirrored(&normals.lie, fields);
+}
+
+/// Heights are not mirrored.
+pub(crate) fn bump(heights: &Bump, fields: &mut Fields<'_>) {
+    unmirrored(&heights.lie, fields);
+}
+
+fn unmirrored(lie: &Lie, fields: &mut Fields<'_>) {
+    if lie.repeat.iter().any(|&times| times <= 0.0) {
+        fields.problem("repeat", "`repeat` of a relief is not above 0", "give positive numbers");
+    }
+}
+
 /// Mixes have parts, and make no light.
 pub(crate) fn scattering(scattering: &Scattering, fields: &mut Fields<'_>) {
     let Scattering::Mix { parts } = scattering else { return };
@@ -158,7 +180,7 @@ pub(crate) fn scattering(scattering: &Scattering, fields: &mut Fields<'_>) {
 pub(crate) fn light(light: &Light, fields: &mut Fields<'_>) {
     match *light {
         Light::Rectangle { edge_u, edge_v, .. } => edges(edge_u, edge_v, fields),
-        Light::Spot { position, at, .. } if position == at => {
+        Light::Spot { position, at, .. } if (at - position).as_vec3() == Vec3::ZERO => {
             fields.problem("at", "`at` is where the light stands", "give another point to aim at");
         }
         _ => {}

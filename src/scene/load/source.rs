@@ -88,3 +88,18 @@ impl Spot {
         (self.source.order, self.offset)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_count_lines_and_characters_from_one() {
+        let text = "a\nβγ = 1\n";
+        let source = Source::file(Path::new("a.toml"), text.to_owned(), 0);
+        let at = |offset| source.place(offset).to_string();
+        assert_eq!(at(0), "a.toml:1:1", "start");
+        assert_eq!(at(text.find('=').expect("there")), "a.toml:2:4", "after two letters of two bytes");
+        assert_eq!(at(1000), "a.toml:3:1", "past the end");
+    }
+}

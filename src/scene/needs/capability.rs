@@ -94,11 +94,9 @@ impl Capability {
     fn texts(self) -> [&'static str; 3] {
         match self {
             Self::Triangles => ["triangles", "triangle geometry", "no triangle geometry"],
-            Self::Spheres => ["spheres", "Embree's own spheres", "no sphere geometry"],
-            Self::Discs => ["discs", "Embree's own oriented discs", "no disc geometry"],
-            Self::Surfaces => {
-                ["surfaces", "user geometry: a call for every candidate", "no calls back from Embree"]
-            }
+            Self::Spheres => ["spheres", "sphere geometry", "no sphere geometry"],
+            Self::Discs => ["discs", "disc geometry", "no disc geometry"],
+            Self::Surfaces => ["surfaces", "a call of the shape for every candidate", "no calls of shapes"],
             Self::Instances => [
                 "instances",
                 "a second level of hierarchy, rays carried into it",
@@ -156,5 +154,7 @@ mod tests {
         let names: std::collections::BTreeSet<&str> =
             Capability::ALL.into_iter().map(Capability::name).collect();
         assert_eq!(names.len(), Capability::ALL.len(), "{names:?}");
+        let texts = Capability::ALL.into_iter().flat_map(Capability::texts);
+        assert_eq!(texts.filter(|text| text.contains("Embree")).count(), 0, "there are other backends");
     }
 }

@@ -8,9 +8,10 @@ use crate::error::{Place, Problem};
 use crate::image::RASTERS;
 use crate::math::Rgb;
 use crate::scene::description::{
-    Bump, ImageTexture, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
+    Bump, ImageTexture, Lie, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
 };
 use crate::scene::load::files;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 /// What the pictures of a material are for.
@@ -40,6 +41,10 @@ impl Use {
         })
     }
 
+    fn is_relief(self) -> bool {
+        matches!(self, Self::Normal | Self::Bump)
+    }
+
     /// What becomes of the surface where there is no such file.
     fn without(self) -> &'static str {
         match self {
@@ -66,20 +71,20 @@ pub(super) struct Maps {
 #[derive(Clone, Debug)]
 pub(super) struct Map {
     file: Located<PathBuf>,
-    wrap: Wrap,
-    repeat: [f32; 2],
-    offset: [f32; 2],
+    lie: Lie,
     strength: f32,
 }
 
 impl Maps {
-    /// Notes what follows a keyword; a warning where the file cannot be used.
-    pub(super) fn add(&mut self, what: Use, rest: &str, mtl: &Path, place: Place) -> Result<(), Problem> {
-        let map = Map::read(rest, mtl, place)
-            .map_err(|(problem, remedy)| problem.remedy(format!("{remedy}; {}", what.without())));
-        let (map, result) = match map {
-            Ok(map) => (Some(map), Ok(())),
-            Err(problem) => (None, Err(problem)),
+    /// Notes what follows a keyword; warnings where the file or a number cannot be used.
+    pub(super) fn add(&mut self, what: Use, rest: &str, mtl: &Path, place: Place) -> Vec<Problem> {
+        let mut warnings = Vec::new();
+        let map = match Map::read(what, rest, mtl, place, &mut warnings) {
+            Ok(map) => Some(map),
+            Err((problem, remedy)) => {
+                warnings.push(problem.remedy(format!("{remedy}; {}", what.without())));
+                None
+            }
         };
         match what {
             Use::Diffuse => self.diffuse = Some(map),
@@ -88,7 +93,7 @@ impl Maps {
             Use::Normal => self.normal = map,
             Use::Bump => self.bump = map,
         }
-        result
+        warnings
     }
 
     /// Whether the material is coloured by a picture, there or missing.
@@ -112,8 +117,16 @@ impl Maps {
 }
 
 impl Map {
-    fn read(rest: &str, mtl: &Path, place: Place) -> Result<Self, (Problem, String)> {
-        let (mut wrap, mut repeat, mut offset, mut strength) = (Wrap::Repeat, [1.0; 2], [0.0; 2], 1.0);
+    /// Numbers that scene files could not hold are left out and warned of.
+    fn read(
+        what: Use,
+        rest: &str,
+        mtl: &Path,
+        place: Place,
+        warnings: &mut Vec<Problem>,
+    ) -> Result<Self, (Problem, String)> {
+        let mut lie = Lie { wrap: Wrap::Repeat, repeat: [1.0; 2], offset: [0.0; 2] };
+        let mut strength = [1.0];
         let mut rest = rest.trim();
         while let Some(option) = rest.strip_prefix('-') {
             let (name, values) = option.split_once(char::is_whitespace).unwrap_or((option, ""));
@@ -124,52 +137,57 @@ impl Map {
                 _ => break,
             };
             let (words, after) = take(values, most, matches!(name, "o" | "s" | "t" | "mm" | "bm"));
-            let numbers: Vec<f32> = words.iter().filter_map(|word| word.parse().ok()).collect();
+            let mut set = |to: &mut [f32], allowed: RangeInclusive<f32>| {
+                for (to, x) in to.iter_mut().zip(words.iter().filter_map(|word| word.parse().ok())) {
+                    if allowed.contains(&x) {
+                        *to = x;
+                    } else {
+                        let (low, high) = (allowed.start(), allowed.end());
+                        let problem = Problem::at(place.clone(), format!("`-{name}` of {x} is ignored"));
+                        warnings.push(problem.remedy(format!("give it numbers from {low} to {high}")));
+                    }
+                }
+            };
             match name {
-                "clamp" if words.first() == Some(&"on") => wrap = Wrap::Clamp,
-                "o" => offset.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
-                "s" => repeat.iter_mut().zip(&numbers).for_each(|(to, &x)| *to = x),
-                "bm" => strength = numbers.first().copied().unwrap_or(1.0),
+                "clamp" if words.first() == Some(&"on") => lie.wrap = Wrap::Clamp,
+                "o" => set(&mut lie.offset, -1e6..=1e6),
+                "s" if what.is_relief() => set(&mut lie.repeat, f32::MIN_POSITIVE..=1e6),
+                "s" => set(&mut lie.repeat, -1e6..=1e6),
+                "bm" if what == Use::Normal => set(&mut strength, 0.0..=100.0),
+                "bm" => set(&mut strength, -1e4..=1e4),
                 _ => {}
             }
             rest = after;
         }
+        let [strength] = strength;
         let file = mtl.with_file_name(rest.replace('\\', "/"));
         match files::fault(&file, RASTERS) {
             Some((what, remedy)) => Err((Problem::at(place, what), remedy)),
-            None => Ok(Self { file: Located { value: file, place }, wrap, repeat, offset, strength }),
+            None => Ok(Self { file: Located { value: file, place }, lie, strength }),
         }
     }
 
     fn colored(&self, factor: Rgb<f32>) -> Texture {
-        let &Self { ref file, wrap, repeat, offset, .. } = self;
-        Texture::Image(Box::new(ImageTexture {
-            file: file.clone(),
-            space: None,
-            wrap,
-            repeat,
-            offset,
-            factor,
-        }))
+        let Self { file, lie, .. } = self.clone();
+        Texture::Image(Box::new(ImageTexture { file, space: None, factor, lie }))
     }
 
     /// How much is there.
     pub(super) fn opacity(self) -> ScalarTexture {
-        let Self { file, wrap, repeat, offset, .. } = self;
-        ScalarTexture { file, channel: None, space: Space::Linear, wrap, repeat, offset, factor: 1.0 }
+        let Self { file, lie, .. } = self;
+        ScalarTexture { file, channel: None, space: Space::Linear, factor: 1.0, lie }
     }
 
     /// A relief of heights. The unit of `-bm` is not said; texels are what programs of its time counted in.
     pub(super) fn heights(self) -> Bump {
-        let Self { file, wrap, repeat, offset, strength } = self;
-        Bump { file, channel: None, strength, height: None, wrap, repeat, offset }
+        let Self { file, lie, strength } = self;
+        Bump { file, channel: None, strength, height: None, lie }
     }
 
     /// A relief of normals.
     pub(super) fn normal(self) -> NormalMap {
-        let Self { file, wrap, repeat, offset, strength } = self;
-        let strength = strength.max(0.0);
-        NormalMap { file, strength, flip_y: false, wrap, repeat, offset }
+        let Self { file, lie, strength } = self;
+        NormalMap { file, strength, flip_y: false, lie }
     }
 }
 
@@ -202,12 +220,34 @@ mod tests {
         std::fs::create_dir(dir.path().join("sub")).expect("made");
         std::fs::write(dir.path().join("sub/my wood.png"), b"").expect("written");
         let mtl = dir.path().join("x.mtl");
-        let read = |rest: &str| Map::read(rest, &mtl, Place::file(&mtl));
+        let read = |rest: &str| Map::read(Use::Bump, rest, &mtl, Place::file(&mtl), &mut vec![]);
         let map = read("-s 2 3 1 -o 0.5 -clamp on -bm 0.25 -blendu off sub\\my wood.png").expect("there");
         assert_eq!(map.file.value, dir.path().join("sub/my wood.png"), "name");
-        assert_eq!((map.repeat, map.offset, map.wrap), ([2.0, 3.0], [0.5, 0.0], Wrap::Clamp), "options");
+        assert_eq!(
+            (map.lie.repeat, map.lie.offset, map.lie.wrap),
+            ([2.0, 3.0], [0.5, 0.0], Wrap::Clamp),
+            "options"
+        );
         assert!((map.strength - 0.25).abs() < 1e-6, "strength");
         let (problem, _) = read("-s 1 1 1 nothing.png").expect_err("missing");
         assert!(problem.to_string().contains("no such file"), "{problem}");
+    }
+
+    #[test]
+    fn numbers_that_no_scene_file_could_hold_are_left_out_and_told() {
+        let dir = tempfile::tempdir().expect("a directory");
+        std::fs::write(dir.path().join("a.png"), b"").expect("written");
+        let mtl = dir.path().join("x.mtl");
+        let read = |what: Use, rest: &str| {
+            let mut warnings = Vec::new();
+            let map = Map::read(what, rest, &mtl, Place::file(&mtl), &mut warnings).expect("there");
+            (map.lie.repeat, map.lie.offset, map.strength, warnings.len())
+        };
+        let plain = |warnings: usize| ([1.0; 2], [0.0; 2], 1.0, warnings);
+        assert_eq!(read(Use::Diffuse, "-s nan nan -o inf 1e30 a.png"), plain(4), "not finite, too large");
+        assert_eq!(read(Use::Bump, "-bm 1e30 -s 0 -1 a.png"), plain(3), "a relief");
+        assert_eq!(read(Use::Normal, "-bm -1 a.png"), plain(1), "normals");
+        let kept = ([-2.0, 0.0], [0.5, 0.0], 1.0, 1);
+        assert_eq!(read(Use::Diffuse, "-s -2 0 -o 0.5 nan a.png"), kept, "the others stay");
     }
 }

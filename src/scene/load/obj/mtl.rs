@@ -25,9 +25,10 @@
 //! surface and has no thickness to make absorption of. Sheen (`Ps`), the roughness of coats (`Pcr`) and anisotropy are not
 //! read.
 //!
-//! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_Ke` shines, times `Ke`
-//! likewise. `map_d` cuts holes,
-//! `norm` is a normal map; `map_Bump` and `bump` are heights, or normals where the picture looks like that. A file that is not there is told, and the base is gray 0.5.
+//! Of textures `map_Kd` colours the matt base, times `Kd` unless that is black; of a metal it is not read. `map_Ke` shines,
+//! times `Ke` likewise. `map_d` cuts holes, `norm` is a normal map; `map_Bump` and `bump` are heights, or normals where the
+//! picture looks like that. A file that is not there is told; the base is gray 0.5 then, and light that of `Ke`. One that cannot
+//! be read is told, too, and does not shine.
 
 use super::maps::{Map, Maps, Use};
 use super::outline::keyword;
@@ -62,7 +63,7 @@ impl Library {
             }
             if let Some(what) = Use::of(keyword) {
                 let Some(maps) = statements.maps.last_mut() else { continue };
-                self.warnings.extend(maps.add(what, rest, path, place()).err());
+                self.warnings.extend(maps.add(what, rest, path, place()));
             } else if statements.add(keyword, rest).is_none() {
                 let problem = Problem::at(place(), format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
