@@ -2,62 +2,18 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/room.rs"]
+mod room;
 #[path = "support/scene.rs"]
 mod scene;
 
 use desk::Desk;
+use room::room;
 use scene::{bits, scene_of};
 use specula::film::{Aov, Layout};
 use specula::image::exr;
 use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
 use std::time::Duration;
-
-/// A ball of rough copper and one of glass in a room with a lamp.
-fn room(settings: &str) -> String {
-    format!(
-        r#"
-        [camera]
-        from = [0.0, 1.0, 4.0]
-        at = [0.0, 0.8, 0.0]
-        vfov_deg = 50.0
-        [film]
-        width = 37
-        height = 21
-        [render]
-        {settings}
-        [materials.copper]
-        type = "conductor"
-        metal = "Cu"
-        alpha = 0.2
-        [materials.glass]
-        type = "dielectric"
-        [materials.wall]
-        type = "diffuse"
-        reflectance = [0.7, 0.6, 0.5]
-        [[shapes]]
-        type = "sphere"
-        center = [-0.7, 0.5, 0.0]
-        radius = 0.5
-        material = "copper"
-        [[shapes]]
-        type = "sphere"
-        center = [0.7, 0.5, 0.3]
-        radius = 0.5
-        material = "glass"
-        [[shapes]]
-        type = "rectangle"
-        edge_u = [4.0, 0.0, 0.0]
-        edge_v = [0.0, 0.0, -4.0]
-        material = "wall"
-        [[lights]]
-        type = "rectangle"
-        center = [0.0, 3.0, 0.0]
-        edge_u = [0.5, 0.0, 0.0]
-        edge_v = [0.0, 0.0, 0.5]
-        radiance = 9.0
-        "#
-    )
-}
 
 fn rendered(text: &str, limits: Limits) -> Rendered {
     let layout = Layout::with([Aov::Variance, Aov::Samples, Aov::Depth]);

@@ -31,6 +31,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a scene contains and requires, without rendering it
     Plan(Box<PlanArgs>),
+    /// Join slices or crops into one picture
+    Merge(Box<MergeArgs>),
     /// Measure how far a picture is from its reference
     Diff(Box<DiffArgs>),
     /// Make fuzzy reflections again from a saved first pass, with another roughness and no ray
@@ -52,10 +54,11 @@ pub struct RenderArgs {
     #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub scene: PathBuf,
 
-    /// Write the picture to FILE; .exr is scene-linear, .png a preview. May be given several times
+    /// Write the picture to FILE; .exr is scene-linear, .png a preview, .part its sums for `specula merge`. May be given
+    /// several times
     ///
     /// Without it, the picture is written to the current directory under the name of the scene file, as .exr and as
-    /// .png.
+    /// .png; with --slice as .part.
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
 
@@ -151,6 +154,28 @@ pub struct RenderArgs {
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
     pub crop: Option<String>,
 
+    /// Take only one of N parts of the samples of each pixel, K from 0: `specula merge` joins all of them
+    ///
+    /// As many samples as --spp (or the scene file) says are cut into N parts that follow one another.
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true)]
+    pub slice: Option<String>,
+
+    /// Keep a copy of what there is in FILE, from which --resume goes on; removed when the picture is written
+    ///
+    /// Also written when somebody asks to stop (Ctrl-C, SIGTERM), with exit status 130.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub checkpoint: Option<PathBuf>,
+
+    /// No more than this time is lost whatever happens, such as 30s, 5m or 1h [default: 60s]
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub checkpoint_every: Option<String>,
+
+    /// Go on from the file of --checkpoint, if it is there: the picture is that of one go, bit for bit
+    ///
+    /// Scene, files, flags and version must be the same, as must the instruction set.
+    #[arg(long)]
+    pub resume: bool,
+
     /// Another seed gives another, equally valid noise
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<String>,
@@ -196,6 +221,35 @@ pub struct PlanArgs {
     pub json: bool,
 
     #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
+    #[command(flatten)]
+    pub log: LogArgs,
+}
+
+/// What to join.
+#[derive(Clone, Debug, clap::Args)]
+pub struct MergeArgs {
+    /// Parts of one picture, written by `specula render -o FILE.part` with --slice or --crop, in any order
+    #[arg(value_name = "PART", value_hint = ValueHint::FilePath, required = true)]
+    pub parts: Vec<PathBuf>,
+
+    /// Write the picture to FILE; .exr is scene-linear, .png a preview. May be given several times
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath, required = true)]
+    pub output: Vec<PathBuf>,
+
+    /// The pixels that the parts make up, the upper ends excluded; without it all of the picture, or those of all parts
+    /// where these have the same
+    #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
+    pub crop: Option<String>,
+
+    /// Store colour in EXR files as 16-bit floats
+    #[arg(long)]
+    pub half: bool,
+
+    /// Write times, rays and counts of all parts together to FILE as JSON
+    #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
+    pub stats: Option<PathBuf>,
+
+    /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
 }

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
-use crate::scene::{self, Built, Loaded, Needs, Scene};
+use crate::scene::{self, Built, Description, Loaded, Needs, Scene};
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -18,6 +18,10 @@ pub(super) struct Frozen {
     pub(super) warnings: Vec<Problem>,
     /// What tells its description from others.
     pub(super) hash: String,
+    /// What its files say.
+    pub(super) description: Description,
+    /// Files that are named by files of the scene.
+    pub(super) files: Vec<PathBuf>,
     /// Where each placement was described.
     origins: Vec<Place>,
 }
@@ -27,11 +31,11 @@ impl Frozen {
     pub(super) fn read(path: &Path, overrides: &[String]) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
         let Loaded { description, mut warnings } = scene::load(path, overrides)?;
-        let Built { scene, origins, warnings: more } =
+        let Built { scene, origins, files, warnings: more } =
             scene::build(&description).inspect_err(|_| log::warn(&warnings))?;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
-        Ok(Self { scene, path: path.to_owned(), warnings, hash, origins })
+        Ok(Self { scene, path: path.to_owned(), warnings, hash, description, files, origins })
     }
 
     /// The same, with all that was odd logged.

@@ -11,7 +11,9 @@ mod documents;
 mod frozen;
 mod fuzzy;
 mod interrupt;
+mod kept;
 mod log;
+mod merge;
 mod options;
 mod output;
 mod plan;
@@ -28,7 +30,7 @@ use clap::Parser as _;
 
 pub use args::{
     Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
-    PlanArgs, RenderArgs,
+    MergeArgs, PlanArgs, RenderArgs,
 };
 
 use crate::error::{Error, Result};
@@ -47,6 +49,7 @@ pub fn run(args: Args) -> Result<()> {
     match args.command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),

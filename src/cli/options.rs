@@ -2,9 +2,11 @@
 
 mod bench;
 mod fuzzy;
+mod merge;
 
 pub(super) use bench::BenchOptions;
 pub(super) use fuzzy::FuzzyOptions;
+pub(super) use merge::MergeOptions;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -16,7 +18,7 @@ use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
-use crate::render::Limits;
+use crate::render::{Limits, Slice};
 use crate::scene::load::words::suggest;
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
@@ -27,9 +29,13 @@ const MOST_THREADS: usize = 4096;
 pub(super) struct RenderOptions {
     pub(super) scene: PathBuf,
     pub(super) outputs: Vec<Output>,
+    /// Files for the sums.
+    pub(super) parts: Vec<PathBuf>,
     /// What replaces values of the scene file, in this order.
     pub(super) overrides: Vec<String>,
     pub(super) crop: Option<Window>,
+    pub(super) slice: Option<Slice>,
+    pub(super) checkpoint: Option<Checkpoints>,
     pub(super) layout: Layout,
     /// Whether what fuzzy reflections are filtered from is written, too.
     pub(super) first_pass: bool,
@@ -37,6 +43,15 @@ pub(super) struct RenderOptions {
     pub(super) limits: Limits,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
+}
+
+/// Where copies of a picture under way are kept.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Checkpoints {
+    pub(super) path: PathBuf,
+    pub(super) every: Duration,
+    /// Whether to go on from the one that is there.
+    pub(super) resume: bool,
 }
 
 /// A file to write.
@@ -50,25 +65,33 @@ impl RenderOptions {
     /// What those words mean; all that is wrong with them at once.
     pub(super) fn new(args: &RenderArgs) -> Result<Self> {
         let mut problems = Problems::default();
-        let outputs = outputs(rendered_paths(args), &mut problems);
-        if let Some(path) = &args.stats {
+        let (parts, pictures) = rendered_paths(args).into_iter().partition(|path| is_part(path));
+        let (parts, outputs): (Vec<PathBuf>, _) = (parts, outputs(pictures, &mut problems));
+        let others: Vec<&PathBuf> = parts.iter().chain(&args.stats).chain(&args.checkpoint).collect();
+        for (i, path) in others.iter().enumerate() {
             check_target(path, &mut problems);
-            if outputs.iter().any(|output| is_same(&output.path, path)) {
+            let is_taken = |other: &PathBuf| is_same(other, path);
+            if others[..i].iter().any(|other| is_taken(other))
+                || outputs.iter().any(|output| is_taken(&output.path))
+            {
                 problems.push(twice(path));
             }
         }
-        let targets = outputs.iter().map(|output| &output.path).chain(&args.stats);
+        let targets = outputs.iter().map(|output| &output.path).chain(others);
         targets.for_each(|target| spare([&args.scene], target, &mut problems));
         let options = Self {
             scene: args.scene.clone(),
             outputs,
+            parts,
             overrides: overrides(args),
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
+            slice: args.slice.as_deref().and_then(|text| slice(text, &mut problems)),
+            checkpoint: checkpoint(args, &mut problems),
             layout: layout(&args.aov, &mut problems),
             first_pass: args.aov.iter().any(|name| name == FIRST_PASS),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
-                time: args.time_limit.as_deref().and_then(|text| time_limit(text, &mut problems)),
+                time: args.time_limit.as_deref().and_then(|text| time("time-limit", text, &mut problems)),
                 error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
             },
             precision: if args.half { Precision::Half } else { Precision::Float },
@@ -197,8 +220,47 @@ fn rendered_paths(args: &RenderArgs) -> Vec<PathBuf> {
         return args.output.clone();
     }
     let stem = args.scene.file_stem().unwrap_or("picture".as_ref());
+    if let Some(text) = &args.slice {
+        return vec![with_extension(stem.as_ref(), &format!("{}.{PART}", text.trim().replace('/', "of")))];
+    }
     ["exr", "png"].map(|extension| with_extension(stem.as_ref(), extension)).to_vec()
 }
+
+/// The extension of files of sums.
+const PART: &str = "part";
+
+fn is_part(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(PART))
+}
+
+/// One of several slices.
+fn slice(text: &str, problems: &mut Problems) -> Option<Slice> {
+    let slice = text.split_once('/').and_then(|(index, of)| {
+        let slice = Slice { index: index.trim().parse().ok()?, of: of.trim().parse().ok()? };
+        (slice.index < slice.of).then_some(slice)
+    });
+    let remedy = || "give K/N with K from 0 to N - 1, such as 0/8".to_owned();
+    given(slice, ("slice", text), "a slice", remedy, problems)
+}
+
+/// Where copies are kept, if anywhere.
+fn checkpoint(args: &RenderArgs, problems: &mut Problems) -> Option<Checkpoints> {
+    let every = args.checkpoint_every.as_deref();
+    let every = every.map(|text| time("checkpoint-every", text, problems));
+    let Some(path) = &args.checkpoint else {
+        let flags = [(args.checkpoint_every.is_some(), "--checkpoint-every"), (args.resume, "--resume")];
+        for (_, flag) in flags.iter().filter(|(is_given, _)| *is_given) {
+            let what = format!("`{flag}` without a checkpoint");
+            problems.push(on_command_line(what).remedy("name its file by --checkpoint FILE"));
+        }
+        return None;
+    };
+    let every = every.unwrap_or(Some(EVERY))?;
+    Some(Checkpoints { path: path.clone(), every, resume: args.resume })
+}
+
+/// Between copies, where nobody says.
+const EVERY: Duration = Duration::from_secs(60);
 
 /// Files to write, each once.
 fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {
@@ -263,14 +325,14 @@ fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
 }
 
 /// A time with its unit, seconds where there is none.
-fn time_limit(text: &str, problems: &mut Problems) -> Option<Duration> {
+fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
     let with_unit = |&(unit, seconds): &(&str, f64)| text.strip_suffix(unit).map(|rest| (rest, seconds));
     let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
     let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
     let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
     let remedy = || "give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h".to_owned();
-    given(time, ("time-limit", text), "a time", remedy, problems)
+    given(time, (flag, text), "a time", remedy, problems)
 }
 
 fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
@@ -360,7 +422,7 @@ mod tests {
 
     #[test]
     fn times_have_units() {
-        let parse = |text| time_limit(text, &mut Problems::default());
+        let parse = |text| time("time-limit", text, &mut Problems::default());
         for (text, seconds) in
             [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)]
         {

@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::args::RenderArgs;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
+use super::kept::{self, Kept};
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
 use super::statistics::{self, Times};
@@ -17,7 +18,7 @@ use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
 use crate::post;
-use crate::render::{self, Ended, Estimate, Limits, Phase, Rendered, Settings};
+use crate::render::{self, Ended, Estimate, Keeper, Limits, Part, Phase, Rendered, Settings};
 use crate::scene::description::Tone;
 use crate::scene::{self, Scene};
 
@@ -29,23 +30,32 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     threads::limit(options.threads);
 
-    let (frozen, load) = Phase::of(|| Frozen::told(&options.scene, &options.overrides));
-    let frozen = frozen?;
+    let (frozen, load) = Phase::of(|| load(&options));
+    let (frozen, about) = frozen?;
     let scene = &frozen.scene;
     interrupt.check()?;
 
+    let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
+    let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);
-    let rendered = render::render(scene, &settings, &meter);
+    let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
+    let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
     meter.finish();
     let rendered = rendered?;
     tell(&options, scene, &rendered);
 
-    let (written, write) = Phase::of(|| write(&options, &frozen, &rendered, load));
+    let (written, write) = Phase::of(|| {
+        write(&options, &frozen, &rendered, load)?;
+        write_parts(&options, (&frozen, about), (&settings, &rendered), load)
+    });
     written?;
     if let Some(path) = &options.stats {
         let report = statistics::report(&options, &frozen, &rendered, Times { load, write });
         write_json(path, &report)?;
+    }
+    if let Some(kept) = kept {
+        kept.remove();
     }
     output::print(names(&options).as_bytes())
 }
@@ -57,6 +67,7 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
         crop: options.crop,
         layout: options.layout.clone(),
         first_pass: options.first_pass,
+        slice: options.slice,
         limits: Limits {
             time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
             ..options.limits
@@ -73,6 +84,14 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
         }
         (error, _) => error,
     }
+}
+
+/// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
+fn load(options: &RenderOptions) -> Result<(Frozen, Value)> {
+    let frozen = Frozen::told(&options.scene, &options.overrides)?;
+    let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
+    let about = if is_kept { kept::about(options, &frozen)? } else { Value::Null };
+    Ok((frozen, about))
 }
 
 /// Logs how it went, and what was dropped.
@@ -131,6 +150,30 @@ fn write(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, load: Ph
     Ok(())
 }
 
+/// Writes the sums.
+fn write_parts(
+    options: &RenderOptions,
+    (frozen, about): (&Frozen, Value),
+    (settings, rendered): (&Settings, &Rendered),
+    load: Phase,
+) -> Result<()> {
+    if options.parts.is_empty() {
+        return Ok(());
+    }
+    let statistics = statistics::report(options, frozen, rendered, Times { load, write: Phase::default() });
+    let part = Part {
+        outline: render::outline(&frozen.scene, settings)?,
+        film: rendered.film.clone(),
+        counters: rendered.statistics.counters,
+        about,
+        told: kept::told(&statistics::attributes(frozen, rendered, load), &statistics, &frozen.scene),
+    };
+    for path in &options.parts {
+        atomic::write(path, |mut file| part.write(&mut file))?;
+    }
+    Ok(())
+}
+
 /// How the scene wants to be shown.
 fn development(scene: &Scene) -> Development {
     let curve = match scene.film.tone {
@@ -140,12 +183,12 @@ fn development(scene: &Scene) -> Development {
     Development { exposure_ev: scene.film.exposure_ev, curve }
 }
 
-fn write_json(path: &Path, value: &Value) -> Result<()> {
+pub(super) fn write_json(path: &Path, value: &Value) -> Result<()> {
     atomic::write(path, |file| io::Write::write_all(file, format!("{value:#}\n").as_bytes()))
 }
 
 /// The files that were written, one a line.
 fn names(options: &RenderOptions) -> String {
-    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
+    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.parts).chain(&options.stats);
     paths.map(|path| format!("{}\n", path.display())).collect()
 }

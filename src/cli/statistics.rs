@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use super::frozen::Frozen;
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
-use crate::integrator::ChosenLights;
+use crate::integrator::{ChosenLights, Counters};
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::{FuzzyBy, Integrator, Knob};
@@ -33,7 +33,7 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         ("scene_hash", frozen.hash.clone()),
         ("integrator", settings.integrator.word().to_owned()),
         ("spp", most.to_string()),
-        ("samples", format!("0..{most}")),
+        ("samples", range(rendered)),
         ("ended_by", statistics.ended.word().to_owned()),
         ("seed", settings.seed.to_string()),
         ("sampler", settings.sampler.word().to_owned()),
@@ -84,6 +84,12 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     entries.chain(names(&rendered.film)).collect()
 }
 
+/// Which samples pixels have at most.
+fn range(rendered: &Rendered) -> String {
+    let (first, [_, most]) = (rendered.statistics.first, rendered.film.samples_of_pixels());
+    format!("{first}..{}", first + most)
+}
+
 /// What numbers in a picture are called.
 fn names(film: &Film) -> Vec<(String, String)> {
     let mut entries = Vec::new();
@@ -120,6 +126,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "height": scene.film.height,
         "crop": [window.x0, window.y0, window.x1, window.y1],
         "spp": most,
+        "sample_range": [statistics.first, statistics.first + most],
         "samples_per_pixel": { "min": least, "mean": mean(rendered), "max": most },
         "ended_by": statistics.ended.word(),
         "time_limit_s": options.limits.time.map(seconds),
@@ -135,22 +142,9 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         },
         "samples": statistics.samples,
         "samples_per_s": rate(statistics.samples, statistics.render.wall),
-        "rays": {
-            "camera": counters.camera,
-            "reflected": counters.reflected,
-            "refracted": counters.refracted,
-            "glossy": counters.glossy,
-            "bounced": counters.bounced,
-            "shadow": counters.shadow,
-            "hidden": counters.hidden,
-            "total": counters.rays(),
-        },
+        "rays": rays(&counters),
         "rays_per_s": rate(counters.rays(), statistics.render.wall),
-        "pruned": {
-            "by_depth": counters.cut_by_depth,
-            "by_attenuation": counters.cut_by_attenuation,
-            "by_roulette": counters.cut_by_roulette,
-        },
+        "pruned": pruned(&counters),
         "clamped": clamped(scene, rendered),
         "peak_rss_bytes": peak_memory(),
         "bvh_bytes": statistics.hierarchy_bytes,
@@ -160,6 +154,29 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
             "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, scene, s)).collect::<Vec<_>>(),
         },
         "plan": frozen.plan(),
+    })
+}
+
+/// How many rays of each kind there were.
+pub(super) fn rays(counters: &Counters) -> Value {
+    json!({
+        "camera": counters.camera,
+        "reflected": counters.reflected,
+        "refracted": counters.refracted,
+        "glossy": counters.glossy,
+        "bounced": counters.bounced,
+        "shadow": counters.shadow,
+        "hidden": counters.hidden,
+        "total": counters.rays(),
+    })
+}
+
+/// How many branches were not followed, and why.
+pub(super) fn pruned(counters: &Counters) -> Value {
+    json!({
+        "by_depth": counters.cut_by_depth,
+        "by_attenuation": counters.cut_by_attenuation,
+        "by_roulette": counters.cut_by_roulette,
     })
 }
 
@@ -254,9 +271,12 @@ mod tests {
             scene: "my scenes/a.toml".into(),
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
+            parts: Vec::new(),
             layout: crate::film::Layout::default(),
             first_pass: false,
             crop: None,
+            slice: None,
+            checkpoint: None,
             threads: None,
             limits: render::Limits::default(),
             precision: Precision::Float,

@@ -4,7 +4,9 @@
 //! over. So a pixel has one owner, its sums one order, and a picture does not depend on tiles or threads.
 //! Ernst, Stamminger, Greiner, 2006, "Filter importance sampling".
 
+mod adding;
 mod aov;
+mod arrays;
 pub mod cryptomatte;
 mod filter;
 mod shares;
@@ -13,6 +15,7 @@ mod sums;
 mod tile;
 
 pub use aov::{Aov, Layout};
+pub use arrays::{Number, read_numbers, write_numbers};
 pub use filter::{Filter, FilterSample, FilterShape};
 pub use shares::Seen;
 pub use statistics::{NonFinite, SampleId};

@@ -21,17 +21,17 @@ pub struct Seen {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Shares {
     /// Of all samples the nearest, the first one of equals.
-    nearest: Option<Seen>,
-    objects: Vec<Share>,
-    materials: Vec<Share>,
+    pub(super) nearest: Option<Seen>,
+    pub(super) objects: Vec<Share>,
+    pub(super) materials: Vec<Share>,
 }
 
 /// One number in a pixel.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Share {
-    id: u32,
-    count: f64,
-    weight: f64,
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Share {
+    pub(super) id: u32,
+    pub(super) count: f64,
+    pub(super) weight: f64,
 }
 
 impl Shares {
@@ -47,6 +47,27 @@ impl Shares {
                     share.weight += weight;
                 }
                 None => shares.push(Share { id, count: 1.0, weight }),
+            }
+        }
+    }
+
+    /// Adds later samples.
+    pub(super) fn merge(&mut self, later: &Self) {
+        if let Some(seen) = later.nearest
+            && self.nearest.is_none_or(|nearest| seen.depth < nearest.depth)
+        {
+            self.nearest = Some(seen);
+        }
+        for (shares, later) in [(&mut self.objects, &later.objects), (&mut self.materials, &later.materials)]
+        {
+            for &more in later {
+                match shares.iter_mut().find(|share| share.id == more.id) {
+                    Some(share) => {
+                        share.count += more.count;
+                        share.weight += more.weight;
+                    }
+                    None => shares.push(more),
+                }
             }
         }
     }

@@ -33,6 +33,13 @@ impl NonFinite {
         &self.first
     }
 
+    /// So many, the first of which are these.
+    pub fn of(count: u64, first: impl IntoIterator<Item = SampleId>) -> Self {
+        let mut all = Self { count, first: Vec::new() };
+        first.into_iter().for_each(|sample| all.keep(sample));
+        all
+    }
+
     /// Counts one more.
     pub fn record(&mut self, sample: SampleId) {
         self.count += 1;
@@ -41,7 +48,7 @@ impl NonFinite {
 
     /// Counts those of another part of the picture as well.
     pub fn merge(&mut self, other: &Self) {
-        self.count += other.count;
+        self.count = self.count.saturating_add(other.count);
         other.first.iter().for_each(|&sample| self.keep(sample));
     }
 

@@ -18,9 +18,9 @@ use crate::math::Rgb;
 /// The sums of a whole picture, or of a crop of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
-    full: [u32; 2],
-    sums: Tile,
-    names: Names,
+    pub(super) full: [u32; 2],
+    pub(super) sums: Tile,
+    pub(super) names: Names,
 }
 
 /// Names of what samples show, by number.
@@ -103,6 +103,21 @@ impl Film {
         [counts().min().unwrap_or(0), counts().max().unwrap_or(0)]
     }
 
+    /// Samples of the first pixel of a part; where the part has been put as a whole, of each.
+    ///
+    /// # Panics
+    /// If the part reaches beyond the film.
+    pub fn taken(&self, window: Window) -> u32 {
+        self.rows(window).next().map_or(0, |(here, _, _)| self.sums.counts[here])
+    }
+
+    /// Counts these as what was dropped.
+    #[must_use]
+    pub fn dropped(mut self, non_finite: NonFinite) -> Self {
+        self.sums.non_finite = non_finite;
+        self
+    }
+
     /// The sums of a part, for more samples to be added to them: then the sums are to the bit those of all samples added in one
     /// go. What was dropped stays with the film.
     ///
@@ -130,7 +145,7 @@ impl Film {
     }
 
     /// Where each row of a part begins in the film and in the part, and how long it is.
-    fn rows(&self, part: Window) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
+    pub(super) fn rows(&self, part: Window) -> impl Iterator<Item = (usize, usize, usize)> + use<> {
         let whole = self.sums.window;
         assert!(
             whole.x0 <= part.x0 && whole.y0 <= part.y0 && part.fits(whole.x1, whole.y1),

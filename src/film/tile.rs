@@ -4,6 +4,7 @@ use super::aov::{Aov, Layout};
 use super::shares::{Seen, Shares};
 use super::statistics::{NonFinite, SampleId};
 use crate::image::Window;
+use std::ops::AddAssign;
 
 /// The samples of a rectangle of pixels, summed in double precision.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,17 @@ pub(super) struct Squares {
 }
 
 impl Squares {
+    /// All seven sums.
+    pub(super) fn to_array(self) -> [f64; 7] {
+        let Self { weights, once: [a, b, c], twice: [d, e, f] } = self;
+        [weights, a, b, c, d, e, f]
+    }
+
+    /// With those seven sums.
+    pub(super) fn of_array([weights, a, b, c, d, e, f]: [f64; 7]) -> Self {
+        Self { weights, once: [a, b, c], twice: [d, e, f] }
+    }
+
     fn add(&mut self, weight: f64, radiance: &[f32]) {
         let square = weight * weight;
         self.weights += square;
@@ -50,6 +62,16 @@ impl Squares {
     /// The mean of the squares of weight times distance of radiance from `mean`.
     pub(super) fn about(&self, i: usize, mean: f64, count: f64) -> f64 {
         (self.twice[i] - 2.0 * mean * self.once[i] + mean * mean * self.weights) / count
+    }
+}
+
+impl AddAssign for Squares {
+    fn add_assign(&mut self, more: Self) {
+        self.weights += more.weights;
+        for i in 0..3 {
+            self.once[i] += more.once[i];
+            self.twice[i] += more.twice[i];
+        }
     }
 }
 

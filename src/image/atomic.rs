@@ -1,9 +1,11 @@
 //! Files that are there whole or not at all.
 //!
 //! What is written goes to a temporary file in the same directory, which takes the target's name when it is complete. A
-//! reader never sees half a file, and a failure leaves the old one as it was. A symbolic link is followed, not replaced.
+//! reader never sees half a file, and a failure leaves the old one as it was. A symbolic link is followed, not replaced. What a
+//! process leaves that is killed meanwhile goes when the same target is written again.
 
-use std::fs;
+use std::ffi::{OsStr, OsString};
+use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -25,15 +27,17 @@ fn write_through<T>(
     fill: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<T>,
 ) -> io::Result<T> {
     let name = path.file_name().ok_or_else(|| io::Error::other("it does not name a file"))?;
-    let mut prefix = std::ffi::OsString::from(".");
-    prefix.push(name);
+    let prefix = prefix(name);
+    sweep(directory(path), &prefix);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).suffix(".tmp");
+    builder.prefix(&prefix).rand_bytes(RANDOM).suffix(SUFFIX);
     let permissions = new_file_permissions(path);
     if let Some(permissions) = permissions.clone() {
         builder.permissions(permissions);
     }
     let mut file = builder.tempfile_in(directory(path))?;
+    // Says that somebody is at it. Where files cannot be locked, nobody can find that nobody is.
+    let _ = file.as_file().try_lock();
     let mut writer = BufWriter::new(&mut file);
     let value = fill(&mut writer)?;
     writer.flush()?;
@@ -42,6 +46,45 @@ fn write_through<T>(
     file.as_file().sync_all()?;
     file.persist(path).map_err(|e| e.error)?;
     Ok(value)
+}
+
+/// Takes `path` away, and what writers that were killed have left of it. One that is not there is no error.
+pub fn remove(path: &Path) -> Result<()> {
+    if let Some(name) = path.file_name() {
+        sweep(directory(path), &prefix(name));
+    }
+    match fs::remove_file(path) {
+        Err(source) if source.kind() != io::ErrorKind::NotFound => {
+            Err(Error::Io { path: path.to_owned(), what: "cannot remove", source })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// How the names of temporary files of a target begin.
+fn prefix(name: &OsStr) -> OsString {
+    let mut prefix = OsString::from(".");
+    prefix.push(name);
+    prefix
+}
+
+/// How the names of temporary files end: so many letters by chance, and this.
+const RANDOM: usize = 6;
+const SUFFIX: &str = ".tmp";
+
+/// Removes temporary files of a target whose writers are gone: their locks went with them.
+fn sweep(directory: &Path, prefix: &OsStr) {
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let (name, prefix) = (name.as_encoded_bytes(), prefix.as_encoded_bytes());
+        let is_ours = name.len() == prefix.len() + RANDOM + SUFFIX.len()
+            && name.starts_with(prefix)
+            && name.ends_with(SUFFIX.as_bytes());
+        if is_ours && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
 }
 
 /// Says now what would keep `path` from being written later: its directory is missing, or it is one itself.
@@ -113,6 +156,23 @@ mod tests {
         assert_eq!(names(dir.path()), ["a.txt"], "no temporary file");
         write(&path, |w| w.write_all(b"new")).expect("second");
         assert_eq!(fs::read(&path).expect("still there"), b"new", "replaced");
+    }
+
+    #[test]
+    fn what_a_killed_writer_left_goes_and_what_another_one_writes_stays() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("a.txt");
+        for name in [".a.txtabcdef.tmp", ".a.txtlonger_.tmp", ".b.txtabcdef.tmp", "a.txtabcdef.tmp"] {
+            fs::write(dir.path().join(name), b"half").expect("written");
+        }
+        let other = File::create(dir.path().join(".a.txtlocked.tmp")).expect("made");
+        other.lock().expect("locked");
+        write(&path, |w| w.write_all(b"new")).expect("written");
+        let left = [".a.txtlocked.tmp", ".a.txtlonger_.tmp", ".b.txtabcdef.tmp", "a.txt", "a.txtabcdef.tmp"];
+        assert_eq!(names(dir.path()), left, "the one that nobody writes");
+        drop(other);
+        write(&path, |w| w.write_all(b"new")).expect("written");
+        assert!(!names(dir.path()).contains(&left[0].to_owned()), "now nobody writes that one");
     }
 
     #[test]

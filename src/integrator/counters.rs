@@ -38,6 +38,38 @@ impl Counters {
         if self.clamped > 0.0 { self.clamped / (self.clamped + self.unclamped) } else { 0.0 }
     }
 
+    /// All counts, and all sums.
+    #[must_use]
+    pub fn to_arrays(&self) -> ([u64; 10], [f64; 2]) {
+        let &Self { camera, reflected, refracted, glossy, bounced, shadow, hidden, .. } = self;
+        let &Self { cut_by_depth, cut_by_attenuation, cut_by_roulette, clamped, unclamped, .. } = self;
+        let cuts = [cut_by_depth, cut_by_attenuation, cut_by_roulette];
+        let mut counts = [camera, reflected, refracted, glossy, bounced, shadow, hidden, 0, 0, 0];
+        counts[7..].copy_from_slice(&cuts);
+        (counts, [clamped, unclamped])
+    }
+
+    /// What [`Counters::to_arrays`] gives.
+    #[must_use]
+    pub fn of_arrays(counts: [u64; 10], [clamped, unclamped]: [f64; 2]) -> Self {
+        let [camera, reflected, refracted, glossy, bounced, shadow, hidden, ..] = counts;
+        let [.., cut_by_depth, cut_by_attenuation, cut_by_roulette] = counts;
+        Self {
+            camera,
+            reflected,
+            refracted,
+            glossy,
+            bounced,
+            shadow,
+            hidden,
+            cut_by_depth,
+            cut_by_attenuation,
+            cut_by_roulette,
+            clamped,
+            unclamped,
+        }
+    }
+
     /// All rays.
     #[must_use]
     pub fn rays(&self) -> u64 {

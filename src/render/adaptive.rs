@@ -5,16 +5,17 @@
 //! way between them: Sobol points are best there, and early samples are never more than twice the later ones nor less than
 //! half. All decisions are made between passes, from sums that are the same on any number of threads.
 
-use crate::film::Film;
+use crate::film::{Film, read_numbers, write_numbers};
 use crate::image::Window;
 use crate::render::Ended;
 use crate::render::allocation::{State, wanted};
 use crate::render::noise::{Noise, Values};
 use crate::render::schedule::{PACKET, Pass};
 use rayon::iter::{IntoParallelRefIterator as _, ParallelIterator as _};
+use std::io::{self, Read, Write};
 
 /// A picture whose tiles get samples by their noise.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Adaptive {
     target: f64,
     /// How many samples a pixel gets at most.
@@ -28,7 +29,7 @@ pub(super) struct Adaptive {
 }
 
 /// A tile, and what is known of it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Tile {
     window: Window,
     /// Samples of each pixel.
@@ -132,6 +133,42 @@ impl Adaptive {
                 tile.before = now;
             }
         }
+    }
+
+    /// Bytes of [`Adaptive::write`].
+    pub(super) fn bytes(&self) -> u64 {
+        let values: usize = self.tiles.iter().map(|tile| tile.before.len()).sum();
+        (36 * self.tiles.len() + 12 * values) as u64
+    }
+
+    /// Writes what is known of the tiles: three `u32` of each, samples, how many of them are early, and whether the noise is known (1 or
+    /// 0); then three `f64` of each, the noise; then three `f32` for each pixel of those with early samples, what it was by those.
+    pub(super) fn write(&self, into: &mut dyn Write) -> io::Result<()> {
+        let head = |tile: &Tile| [tile.taken, tile.early, u32::from(tile.noise.is_some())];
+        let noise = |tile: &Tile| {
+            let Noise { pixels, sum, squares } = tile.noise.unwrap_or_default();
+            [pixels, sum, squares]
+        };
+        write_numbers(into, self.tiles.iter().flat_map(head))?;
+        write_numbers(into, self.tiles.iter().flat_map(noise))?;
+        write_numbers(into, self.tiles.iter().flat_map(|tile| tile.before.iter().flatten().copied()))
+    }
+
+    /// Goes on with what another one has written.
+    pub(super) fn read(&mut self, from: &mut dyn Read) -> io::Result<()> {
+        let heads: Vec<u32> = read_numbers(from, 3 * self.tiles.len())?;
+        let noises: Vec<f64> = read_numbers(from, 3 * self.tiles.len())?;
+        let known = heads.as_chunks().0.iter().zip(noises.as_chunks().0);
+        for (tile, (&[taken, early, is_known], &[pixels, sum, squares])) in self.tiles.iter_mut().zip(known) {
+            if early > taken || taken > self.most {
+                return Err(io::ErrorKind::InvalidData.into());
+            }
+            (tile.taken, tile.early) = (taken, early);
+            tile.noise = (is_known == 1).then_some(Noise { pixels, sum, squares });
+            let values = if early > 0 { 3 * tile.window.area() } else { 0 };
+            tile.before = read_numbers(from, values)?.as_chunks().0.to_vec();
+        }
+        Ok(())
     }
 
     /// The samples that a tile gets next.

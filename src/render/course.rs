@@ -5,10 +5,13 @@ use crate::image::Window;
 use crate::render::adaptive::Adaptive;
 use crate::render::schedule::{PACKET, PART, Pass, Schedule};
 use crate::render::{Ended, Estimate, Limits};
+use serde_json::{Value, json};
+use std::io::{self, Read, Write};
+use std::ops::Range;
 use std::time::Instant;
 
 /// What is taken next, and when it is enough.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Course {
     pixels: f64,
     /// All tiles alike; with a target for the error, and little time, for the first sample, which shows the pace.
@@ -20,15 +23,46 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Of a picture in tiles, whose pixels get `most` samples at most; time counts since `start`.
-    pub(super) fn new(limits: &Limits, start: Instant, (tiles, most): (&[Window], u32)) -> Self {
-        let adaptive = limits.error.map(|target| Adaptive::new(tiles, (target, most)));
+    /// Of a picture in tiles, whose pixels get these samples at most; time counts since `start`.
+    pub(super) fn new(limits: &Limits, start: Instant, (tiles, samples): (&[Window], &Range<u32>)) -> Self {
+        let adaptive = limits.error.map(|target| Adaptive::new(tiles, (target, samples.end)));
         Self {
             pixels: tiles.iter().map(|tile| f64::from(tile.width()) * f64::from(tile.height())).sum(),
-            even: Schedule::new(limits, start, (most, tiles.len())),
+            even: Schedule::new(limits, start, (samples, tiles.len())),
             adaptive,
             pace: None,
         }
+    }
+
+    /// What is to be known of it to go on, besides the arrays of [`Course::write`].
+    pub(super) fn saved(&self) -> Value {
+        json!({ "even": self.even.saved(), "pace": self.pace, "adaptive": self.adaptive.is_some() })
+    }
+
+    /// Bytes of the arrays.
+    pub(super) fn bytes(&self) -> u64 {
+        self.adaptive.as_ref().map_or(0, Adaptive::bytes)
+    }
+
+    /// Writes what is known of tiles.
+    pub(super) fn write(&self, into: &mut dyn Write) -> io::Result<()> {
+        self.adaptive.as_ref().map_or(Ok(()), |adaptive| adaptive.write(into))
+    }
+
+    /// Goes on where another one of the same picture was. Fails where that makes no sense.
+    pub(super) fn restored(self, saved: &Value, from: &mut dyn Read) -> io::Result<Self> {
+        let even = self.even.restored(&saved["even"]).ok_or(io::ErrorKind::InvalidData)?;
+        let goes_on = saved["adaptive"] == true;
+        let adaptive = match self.adaptive.filter(|_| goes_on) {
+            Some(mut adaptive) => {
+                adaptive.read(from)?;
+                Some(adaptive)
+            }
+            // Where time is too short, the error is given up; never the other way round.
+            None if goes_on => return Err(io::ErrorKind::InvalidData.into()),
+            None => None,
+        };
+        Ok(Self { even, adaptive, pace: saved["pace"].as_f64(), ..self })
     }
 
     /// The next pass; `None` when it is enough. A pass that begins at sample 0 begins anew: what there was is thrown away.
@@ -46,7 +80,7 @@ impl Course {
 
     /// Notes what a pass has brought, and how long it took.
     pub(super) fn passed(&mut self, pass: &Pass, seconds: f64, (tiles, film): (&[Window], &Film)) {
-        let samples = |(tile, samples): &(usize, std::ops::Range<u32>)| {
+        let samples = |(tile, samples): &(usize, Range<u32>)| {
             let window = tiles[*tile];
             f64::from(window.width()) * f64::from(window.height()) * f64::from(samples.end - samples.start)
         };

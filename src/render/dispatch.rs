@@ -3,7 +3,7 @@
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
 use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
 use crate::accel::{Accel, Brute};
-use crate::error::{Error, Problem, Result};
+use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
@@ -12,12 +12,17 @@ use crate::render::query::{level, query};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
-use crate::render::{Phase, Progress, Rendered, Settings, Statistics};
+use crate::render::{
+    Checkpoint, Keeper, Outline, Phase, Progress, Rendered, Settings, Slice, State, Statistics,
+};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
 use crate::scene::{Scene, description};
+use std::fmt;
+use std::io::Read;
 use std::num::{NonZeroU32, NonZeroUsize};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
+use std::sync::Mutex;
 use std::thread;
 use std::time::Instant;
 
@@ -25,7 +30,46 @@ use std::time::Instant;
 ///
 /// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
 pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
-    let plan = plan(scene, settings, progress)?;
+    render_kept(scene, settings, progress, Kept::default())
+}
+
+/// A copy that was kept, and what it is called.
+pub type Begin<'a> = (Checkpoint<Box<dyn Read + 'a>>, Place);
+
+/// A picture that is not begun from nothing, or of which copies are kept.
+#[derive(Default)]
+pub struct Kept<'a> {
+    /// A copy of the same picture, from which it goes on.
+    pub begin: Option<Begin<'a>>,
+    /// Who keeps copies.
+    pub keeper: Option<&'a dyn Keeper>,
+}
+
+impl fmt::Debug for Kept<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Kept").field("begin", &self.begin.is_some()).finish_non_exhaustive()
+    }
+}
+
+/// Renders a scene as [`render`] does, from where it was left, and keeps copies from which it can go on: the picture is that of one go,
+/// to the bit.
+///
+/// Fails as [`render`] does, and if the copy cannot be read or the last one cannot be kept.
+pub fn render_kept(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+    kept: Kept<'_>,
+) -> Result<Rendered> {
+    let mut plan = plan(scene, settings, progress)?;
+    plan.keeper = kept.keeper;
+    if let Some((checkpoint, place)) = kept.begin {
+        let State { film, course, .. } = plan.state();
+        let tiles = tiles::tiles(plan.window);
+        let state = checkpoint.state((film, course), &tiles, &plan.samples);
+        let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
+        plan.begin = Mutex::new(Some(state));
+    }
     let (threads, pool) = pool(settings)?;
     let (mut rendered, build) = match scene.render.backend {
         description::Backend::Embree => {
@@ -51,6 +95,19 @@ pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Re
     Ok(rendered)
 }
 
+/// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
+pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
+    let spp = most(scene, settings);
+    Ok(Outline {
+        full: [scene.film.width, scene.film.height],
+        window: window(scene, settings)?,
+        layout: settings.layout.clone(),
+        samples: samples(settings, spp)?,
+        spp,
+        has_limit: !settings.limits.is_none(),
+    })
+}
+
 /// Renders a scene with something that finds hits in its world, whatever backend the scene names.
 ///
 /// Fails as [`render`] does.
@@ -71,6 +128,7 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
     two_pass::check(scene, settings)?;
     let seed = scene.render.seed;
     let most = most(scene, settings);
+    let samples = samples(settings, most)?;
     Ok(Plan {
         scene,
         window: window(scene, settings)?,
@@ -81,10 +139,13 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
         moves: scene.is_moving(),
         layout: settings.layout.clone(),
         most,
+        samples,
         limits: settings.limits,
         start: Instant::now(),
         progress,
         first_pass: settings.first_pass,
+        keeper: None,
+        begin: Mutex::new(None),
     })
 }
 
@@ -175,8 +236,7 @@ fn with_integrator<A: Accel, I: Integrator>(
 }
 
 fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Rendered> {
-    let (traced, render) = Phase::of(|| tiles::trace(plan, accel, engine));
-    let Traced { film, counters, ended, estimate } = traced?;
+    let Traced { film, counters, ended, estimate, spent: render } = tiles::trace(plan, accel, engine)?;
     let samples = film.samples();
     let hierarchy_bytes = accel.bytes();
     Ok(Rendered {
@@ -184,6 +244,7 @@ fn timed<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<
         first_pass: Vec::new(),
         statistics: Statistics {
             counters,
+            first: plan.samples.start,
             samples,
             ended,
             estimate,
@@ -213,6 +274,24 @@ fn window(scene: &Scene, settings: &Settings) -> Result<Window> {
         return Err(problem.remedy(format!("stay within 0,0,{width},{height}, upper ends excluded")).into());
     }
     Ok(window)
+}
+
+/// Which samples of `most` are to be taken.
+fn samples(settings: &Settings, most: u32) -> Result<Range<u32>> {
+    let Some(slice) = settings.slice else { return Ok(0..most) };
+    let samples = slice.samples(most);
+    let Slice { index, of } = slice;
+    let (what, remedy) = if index >= of {
+        (format!("there is no slice {index} of {of}"), "count slices from 0")
+    } else if !settings.limits.is_none() {
+        let what = "slices of a picture whose number of samples is not known beforehand".to_owned();
+        (what, "set the number of samples instead of a limit of time or a target for the error")
+    } else if samples.is_empty() {
+        (format!("{most} samples cannot be cut into {of} slices"), "take fewer slices, or more samples")
+    } else {
+        return Ok(samples);
+    };
+    Err(Problem::new(what).remedy(remedy).into())
 }
 
 /// How many samples a pixel gets at most.

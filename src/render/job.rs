@@ -4,7 +4,7 @@ use crate::film::{Film, Layout};
 use crate::image::Window;
 use crate::integrator::Counters;
 use crate::post::GBuffer;
-use crate::render::{Ended, Estimate, Limits};
+use crate::render::{Ended, Estimate, Limits, Slice};
 use cpu_time::ProcessTime;
 use std::num::NonZeroUsize;
 use std::ops::AddAssign;
@@ -23,6 +23,8 @@ pub struct Settings {
     pub limits: Limits,
     /// Whether what fuzzy reflections are filtered from is kept.
     pub first_pass: bool,
+    /// Some of the samples of every pixel; all of them if absent. Not with a limit.
+    pub slice: Option<Slice>,
 }
 
 /// Somebody who watches, and may stop it. Called from several threads at once.
@@ -76,6 +78,8 @@ impl AddAssign for Phase {
 pub struct Statistics {
     /// Rays and cuts.
     pub counters: Counters,
+    /// The first sample of each pixel: 0, unless it is a later slice.
+    pub first: u32,
     /// Camera samples taken.
     pub samples: u64,
     /// What ended the picture.

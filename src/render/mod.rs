@@ -5,20 +5,30 @@
 
 mod adaptive;
 mod allocation;
+mod archive;
 mod course;
 mod dispatch;
 mod eye;
 mod job;
+mod keeping;
 mod limits;
+mod merge;
 mod noise;
+mod part;
 mod query;
 mod samples;
 mod schedule;
+mod slice;
+mod state;
 mod tiles;
 mod two_pass;
 
-pub use dispatch::{MOST, render, render_on};
+pub use dispatch::{Begin, Kept, MOST, outline, render, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
-pub use query::{Chosen, query};
+pub use merge::{Gap, gaps, order, wanted};
+pub use part::{Outline, Part, PartFile};
+pub use query::{Chosen, lanes, query};
+pub use slice::Slice;
+pub use state::{Checkpoint, Keeper, State};
 pub use two_pass::filter_of;

@@ -24,6 +24,12 @@ pub(super) fn level() -> Level {
     Level::from_env().unwrap_or_else(|_| Level::best())
 }
 
+/// The name of the instruction set that shading runs with. Pictures by different ones differ by rounding.
+#[must_use]
+pub fn lanes() -> &'static str {
+    level().name()
+}
+
 fn chosen(render: &crate::scene::description::Render) -> Chosen {
     let of = |query, why| Chosen { query, why };
     if let Some(query) = render.query {

@@ -8,9 +8,10 @@ use crate::image::Window;
 use crate::integrator::{CameraRay, Counters, Deferred, Features, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::course::Course;
 use crate::render::eye::Eye;
+use crate::render::keeping::{Pieces, Running};
 use crate::render::samples::{Begin, CameraSamples, Cursor};
 use crate::render::schedule::{PACKET, Pass};
-use crate::render::{Ended, Estimate, Limits, Progress};
+use crate::render::{Ended, Estimate, Keeper, Limits, Phase, Progress, State};
 use crate::sampling::SamplerKind;
 use crate::scene::Scene;
 use std::ops::Range;
@@ -33,14 +34,42 @@ pub(super) struct Plan<'a> {
     pub(super) moves: bool,
     /// What is kept of samples.
     pub(super) layout: Layout,
-    /// How many samples a pixel gets at most.
+    /// How many samples a pixel of the whole picture gets at most.
     pub(super) most: u32,
+    /// Which of them are taken here.
+    pub(super) samples: Range<u32>,
     pub(super) limits: Limits,
     /// Since when time counts.
     pub(super) start: Instant,
     pub(super) progress: &'a dyn Progress,
     /// Whether what fuzzy reflections are filtered from is kept.
     pub(super) first_pass: bool,
+    /// Who keeps copies.
+    pub(super) keeper: Option<&'a dyn Keeper>,
+    /// From where it goes on, once.
+    pub(super) begin: Mutex<Option<State>>,
+}
+
+impl Plan<'_> {
+    /// Nothing taken yet.
+    pub(super) fn state(&self) -> State {
+        let scene = self.scene;
+        let names = if self.layout.has_ids() { scene.names.clone() } else { Names::default() };
+        let full = [scene.film.width, scene.film.height];
+        State {
+            film: Film::new(full, self.window, self.layout.clone()).named(names),
+            counters: Counters::default(),
+            course: Course::new(&self.limits, self.start, (&tiles(self.window), &self.samples)),
+            pass: None,
+            spent: Phase::default(),
+        }
+    }
+
+    /// From where it goes on.
+    fn begin(&self) -> State {
+        let mut begin = self.begin.lock().unwrap_or_else(PoisonError::into_inner);
+        begin.take().unwrap_or_else(|| self.state())
+    }
 }
 
 /// All that tracing gives.
@@ -49,55 +78,73 @@ pub(super) struct Traced {
     pub(super) counters: Counters,
     pub(super) ended: Ended,
     pub(super) estimate: Option<Estimate>,
+    /// How long tracing took in all runs.
+    pub(super) spent: Phase,
 }
 
 /// The samples of the window, on the threads of the current pool.
 pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E) -> Result<Traced> {
-    let scene = plan.scene;
-    let full = [scene.film.width, scene.film.height];
-    let eye = Eye::new(scene, accel, plan.most);
+    let eye = Eye::new(plan.scene, accel, plan.most);
     let tiles = tiles(plan.window);
-    let names = if plan.layout.has_ids() { scene.names.clone() } else { Names::default() };
-    let nothing = || {
-        let film = Film::new(full, plan.window, plan.layout.clone()).named(names.clone());
-        (film, Counters::default())
-    };
-    let mut course = Course::new(&plan.limits, plan.start, (&tiles, plan.most));
-    let mut sums = nothing();
-    while let Some(pass) = course.next() {
-        if pass.shares.iter().any(|(_, samples)| samples.start == 0) {
-            sums = nothing();
+    let running = Running::new(plan.begin());
+    running.kept(plan.keeper, || {
+        while let Some((pass, before, total)) = next(plan, &running) {
+            let begin = Instant::now();
+            take((plan, &eye, engine), (&tiles, &pass), &running, total)?;
+            let mut running = running.locked();
+            let State { film, course, pass: done, .. } = &mut running.state;
+            course.passed(&pass, before + begin.elapsed().as_secs_f64(), (&tiles, film));
+            *done = None;
         }
-        let begin = Instant::now();
-        sums = take((plan, &eye, engine), (&tiles, &pass), sums, course.forecast(&pass))?;
-        course.passed(&pass, begin.elapsed().as_secs_f64(), (&tiles, &sums.0));
-    }
-    let (film, counters) = sums;
-    Ok(Traced { film, counters, ended: course.ended(), estimate: course.estimate() })
+        Ok(())
+    })?;
+    let State { film, counters, course, spent, .. } = running.into_state();
+    Ok(Traced { film, counters, ended: course.ended(), estimate: course.estimate(), spent })
 }
 
-/// The samples of a pass, added to what there is; `total` samples are expected in all.
+/// The pass that is under way, or the next one, if there is one; how many seconds it has taken, and how many samples are expected in all.
+fn next(plan: &Plan<'_>, running: &Running) -> Option<(Pass, f64, u64)> {
+    let mut running = running.locked();
+    running.since = Instant::now();
+    let state = &mut running.state;
+    if state.pass.is_none() {
+        let pass = state.course.next()?;
+        // One that begins with the first sample begins anew.
+        if pass.shares.iter().any(|(_, samples)| samples.start == plan.samples.start) {
+            let State { film, counters, .. } = plan.state();
+            (state.film, state.counters) = (film, counters);
+        }
+        state.pass = Some((pass, 0.0));
+    }
+    let (pass, seconds) = state.pass.clone()?;
+    let total = state.course.forecast(&pass);
+    Some((pass, seconds, total))
+}
+
+/// The samples of a pass that are not there yet, added to what there is; `total` samples are expected in all.
 fn take<A: Accel, E: Engine>(
     (plan, eye, engine): (&Plan<'_>, &Eye<'_, A>, &E),
     (tiles, pass): (&[Window], &Pass),
-    sums: (Film, Counters),
+    running: &Running,
     total: u64,
-) -> Result<(Film, Counters)> {
-    let done = AtomicU64::new(sums.0.samples());
+) -> Result<()> {
+    let done = AtomicU64::new(running.locked().state.film.samples());
     let advance = |samples| {
         plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
     };
-    let sums = Mutex::new(sums);
-    let locked = || sums.lock().unwrap_or_else(PoisonError::into_inner);
-    let one = |memory: &mut E::Memory, window, samples: Range<u32>| -> Result<()> {
-        let begins = samples.start == 0;
-        let tile = if begins { Tile::new(window, plan.layout.clone()) } else { locked().0.part(window) };
-        let plain = plan.layout == Layout::default();
-        let mut work = Work { plan, eye, tile, samples, coherent: pass.coherent, plain, advance: &advance };
-        let counters = engine.tile(&mut work, memory)?;
-        let mut sums = locked();
-        sums.0.put(&work.tile);
-        sums.1 += counters;
+    let plain = plan.layout == Layout::default();
+    let one = |memory: &mut E::Memory, window, all: &Range<u32>| -> Result<()> {
+        let there = plan.samples.start + running.locked().state.film.taken(window);
+        for samples in Pieces::new(there.max(all.start)..all.end, plan.keeper) {
+            let tile = running.locked().state.film.part(window);
+            let coherent = pass.coherent;
+            let mut work =
+                Work { plan, eye, tile, samples, all: all.clone(), coherent, plain, advance: &advance };
+            let counters = engine.tile(&mut work, memory)?;
+            let mut running = running.locked();
+            running.state.film.put(&work.tile);
+            running.state.counters += counters;
+        }
         Ok(())
     };
     // Each thread takes the next tile when it is done with one. (An iterator of rayon's would deal out runs of tiles beforehand, and the
@@ -106,13 +153,12 @@ fn take<A: Accel, E: Engine>(
     let ended = rayon::broadcast(|_| -> Result<()> {
         let mut memory = E::Memory::default();
         while let Some((tile, samples)) = pass.shares.get(next.fetch_add(1, Ordering::Relaxed)) {
-            one(&mut memory, tiles[*tile], samples.clone())
+            one(&mut memory, tiles[*tile], samples)
                 .inspect_err(|_| next.store(pass.shares.len(), Ordering::Relaxed))?;
         }
         Ok(())
     });
-    ended.into_iter().collect::<Result<()>>()?;
-    Ok(sums.into_inner().unwrap_or_else(PoisonError::into_inner))
+    ended.into_iter().collect::<Result<()>>()
 }
 
 /// How the samples of a tile are taken.
@@ -131,6 +177,8 @@ pub(super) struct Work<'a, A> {
     tile: Tile,
     /// Which samples of each pixel.
     samples: Range<u32>,
+    /// Those of the pass, of which these are a piece.
+    all: Range<u32>,
     /// Whether camera rays may be traced in packets that hold one pixel's only.
     coherent: bool,
     /// Whether nothing is kept but the picture and its coverage.
@@ -143,8 +191,9 @@ impl<A> Work<'_, A> {
     /// How camera rays of packets of `width` are traced. What a coherent packet hits on an edge may depend on its company: never on
     /// that of other pixels, which may be missing from a crop.
     fn coherence(&self, width: u32) -> Coherence {
-        let Range { start, end } = self.samples;
-        let whole = self.coherent && start.is_multiple_of(width) && end.is_multiple_of(width);
+        let Range { start, end } = self.all;
+        let whole = [start, end, self.plan.most].into_iter().all(|samples| samples.is_multiple_of(width));
+        let whole = self.coherent && whole;
         if whole { Coherence::Coherent } else { Coherence::Incoherent }
     }
 
@@ -393,7 +442,7 @@ impl InBatches<'_> {
 }
 
 /// The tiles of a window by rows, the last ones of a row or column narrower.
-fn tiles(window: Window) -> Vec<Window> {
+pub(super) fn tiles(window: Window) -> Vec<Window> {
     let starts = |from: u32, to: u32| (from..to).step_by(EDGE as usize);
     let rows = starts(window.y0, window.y1);
     rows.flat_map(|y0| {

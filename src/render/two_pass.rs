@@ -57,6 +57,10 @@ pub(super) fn check(scene: &Scene, settings: &Settings) -> Result<()> {
 
 /// The samples of the window, on the threads of the current pool.
 pub(super) fn render<A: Accel>(plan: &Plan<'_>, accel: &A, tree: &Whitted) -> Result<Rendered> {
+    if plan.keeper.is_some() {
+        let problem = Problem::new("pictures of filtered reflections keep no checkpoints");
+        return Err(problem.remedy("leave out `--checkpoint`, or use `glossy = \"lobe\"`").into());
+    }
     let (made, render) = Phase::of(|| passes(plan, accel, tree));
     let mut made = made?;
     made.statistics.render = render;
@@ -74,24 +78,27 @@ fn passes<A: Accel>(plan: &Plan<'_>, accel: &A, tree: &Whitted) -> Result<Render
     let mut film = Film::new(full, plan.window, plan.layout.clone()).named(names);
     let mut statistics = Statistics::default();
     let mut first_pass = Vec::new();
-    let total = u64::from(plan.most) * plan.window.area() as u64;
+    let total = plan.samples.len() as u64 * plan.window.area() as u64;
     let done = AtomicU64::new(0);
-    for index in 0..plan.most {
+    for index in plan.samples.clone() {
         let begin = Instant::now();
         let pass = Pass { plan, eye: &eye, tree, fuzzy: &fuzzy, index, film: film_sample(plan, index) };
         let (g, counters) = pass.first((&done, total))?;
         statistics.counters += counters;
         let (filtered, filter) = Phase::of(|| post::filter(&g, plan.window, &fuzzy, (level(), index)));
         statistics.filter += filter;
-        let mut tile =
-            if index == 0 { Tile::new(plan.window, plan.layout.clone()) } else { film.part(plan.window) };
+        let mut tile = if index == plan.samples.start {
+            Tile::new(plan.window, plan.layout.clone())
+        } else {
+            film.part(plan.window)
+        };
         pass.add(&mut tile, (&g, &filtered));
         film.put(&tile);
         if plan.first_pass {
             first_pass.push(g);
         }
         if let Some(limit) = plan.limits.time
-            && index + 1 < plan.most
+            && index + 1 < plan.samples.end
             && plan.start.elapsed() + begin.elapsed() > limit
         {
             statistics.ended = Ended::Time;

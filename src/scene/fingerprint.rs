@@ -10,9 +10,14 @@ use xxhash_rust::xxh3::xxh3_128;
 /// version of the program, with other keys, may give other digits. By XXH3 of 128 bits (Collet 2019) of the description in JSON.
 #[must_use]
 pub fn fingerprint(description: &Description, folder: &Path) -> String {
+    format!("{:032x}", xxh3_128(related(description, folder).to_string().as_bytes()))
+}
+
+/// The description in JSON, files named as seen from `folder`.
+pub(super) fn related(description: &Description, folder: &Path) -> Value {
     let mut json = description.to_json();
     relate(&mut json, folder);
-    format!("{:032x}", xxh3_128(json.to_string().as_bytes()))
+    json
 }
 
 /// Leaves `folder` out of the names of files, so that it does not matter where the program runs.

@@ -30,6 +30,7 @@ use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 use textures::Textures;
 
@@ -40,6 +41,8 @@ pub struct Built {
     pub scene: Scene,
     /// Where each placement was described.
     pub origins: Vec<Place>,
+    /// Files that the description does not name itself, but files that it names: of materials, and of pictures of those.
+    pub files: Vec<PathBuf>,
     /// What was odd, but not wrong.
     pub warnings: Vec<Problem>,
 }
@@ -59,6 +62,7 @@ pub fn build(description: &Description) -> Result<Built> {
     let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
     let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
     let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
+    let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let scene = Scene {
         world: Arc::new(builder.world),
         materials: builder.materials,
@@ -73,7 +77,7 @@ pub fn build(description: &Description) -> Result<Built> {
         names: builder.names,
         environment: builder.environment,
     };
-    builder.problems.into_result(Built { scene, origins: builder.origins, warnings: builder.warnings })
+    builder.problems.into_result(Built { scene, origins: builder.origins, files, warnings: builder.warnings })
 }
 
 /// A scene under way.
@@ -96,6 +100,8 @@ struct Builder {
     lights: Vec<Light>,
     environment: Option<LightId>,
     textures: Textures,
+    /// Files of materials.
+    files: Vec<PathBuf>,
     problems: Problems,
     warnings: Vec<Problem>,
 }

@@ -204,6 +204,7 @@ impl Builder {
         match load_mesh_about(&file.value, shading, about) {
             Ok(mut loaded) => {
                 self.warnings.append(&mut loaded.warnings);
+                self.files.append(&mut loaded.libraries);
                 Some(loaded)
             }
             Err(error) => {

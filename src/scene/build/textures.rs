@@ -22,6 +22,11 @@ pub(super) struct Textures {
 }
 
 impl Textures {
+    /// The files of all of them.
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.known.keys().map(|(path, _)| path.as_path())
+    }
+
     pub(super) fn into_bitmaps(self) -> Vec<Arc<Bitmap>> {
         self.bitmaps
     }

@@ -20,7 +20,7 @@ pub(super) use about::positions;
 pub(super) use cutter::Cutter;
 use glam::DVec3;
 pub(super) use parts::Parts;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A mesh as its file says.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,6 +31,8 @@ pub struct LoadedMesh {
     pub origin: DVec3,
     /// A material for each group; none where the file speaks of no material.
     pub materials: Vec<Named<Material>>,
+    /// Files of materials that the file names.
+    pub libraries: Vec<PathBuf>,
     /// What was left out or put right.
     pub warnings: Vec<Problem>,
 }

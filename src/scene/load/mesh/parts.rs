@@ -35,7 +35,7 @@ impl Parts {
     ) -> Result<LoadedMesh, Problem> {
         let origin = self.origin;
         let mesh = self.mesh(shading).map_err(|error| Problem::at(Place::file(path), error.to_string()))?;
-        Ok(LoadedMesh { mesh, origin, materials: vec![], warnings })
+        Ok(LoadedMesh { mesh, origin, materials: vec![], libraries: vec![], warnings })
     }
 
     fn mesh(mut self, shading: Shading) -> Result<Mesh, MeshError> {

@@ -46,7 +46,8 @@ pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>, about: About) -
     }
     let materials = materials(&outline, &triangles.groups, path, &mut warnings);
     let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
-    Ok(LoadedMesh { materials, ..loaded })
+    let files = outline.libraries.iter().flat_map(|(names, _)| library_files(names, path));
+    Ok(LoadedMesh { materials, libraries: files.collect(), ..loaded })
 }
 
 /// A number of tobj in single precision: it reads in double precision because positions need it.

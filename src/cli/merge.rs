@@ -1,0 +1,311 @@
+//! The command `merge`.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+
+use super::args::MergeArgs;
+use super::interrupt::Interrupt;
+use super::kept::open;
+use super::options::{MergeOptions, Output};
+use super::render::write_json;
+use super::statistics;
+use super::{log, output};
+use crate::error::{Error, Place, Problem, Problems, Result};
+use crate::film::{Film, SampleId};
+use crate::image::tone::{Curve, Development};
+use crate::image::{Format, Window, exr, png};
+use crate::integrator::Counters;
+use crate::render::{self, Gap, Outline, Part, PartFile, Phase};
+use crate::scene;
+use crate::scene::description::Tone;
+
+/// What to do about a part that cannot be taken.
+const REMEDY: &str = "render it again, or leave it out";
+
+/// Joins parts to a picture, and prints the names of the files that it writes.
+pub(super) fn run(args: &MergeArgs) -> Result<()> {
+    log::start(&args.log);
+    let interrupt = Interrupt::listen();
+    let options = MergeOptions::new(args)?;
+    let (merged, merging) = Phase::of(|| merge(&options, &interrupt));
+    let merged = merged?;
+    tracing::info!(
+        "{} samples of {} part{} in {:.1} s",
+        merged.film.samples(),
+        merged.told.len(),
+        if merged.told.len() == 1 { "" } else { "s" },
+        merging.wall.as_secs_f64(),
+    );
+    let dropped = merged.film.non_finite().count();
+    if dropped > 0 {
+        tracing::warn!("{dropped} samples were not finite and count as black");
+    }
+    for Output { path, format } in &options.outputs {
+        interrupt.check()?;
+        match format {
+            Format::Exr => {
+                let picture = merged.film.picture(options.precision, merged.attributes());
+                log::warn(&exr::write(path, picture)?);
+            }
+            Format::Png => png::write(path, &merged.film.image(), merged.development())?,
+        }
+    }
+    if let Some(path) = &options.stats {
+        write_json(path, &merged.report(&options))?;
+    }
+    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
+    output::print(paths.map(|path| format!("{}\n", path.display())).collect::<String>().as_bytes())
+}
+
+/// A picture made of parts.
+struct Merged {
+    film: Film,
+    counters: Counters,
+    scene_hash: Value,
+    /// How each part was made, and which it is, in the order in which they were added.
+    told: Vec<(Value, Outline, PathBuf)>,
+}
+
+/// The sums of all parts, of which one at a time is in memory.
+fn merge(options: &MergeOptions, interrupt: &Interrupt) -> Result<Merged> {
+    let (outlines, about) = outlines(&options.parts)?;
+    let outlines: Vec<&Outline> = outlines.iter().collect();
+    let window = options.crop.unwrap_or_else(|| render::wanted(&outlines));
+    check_window(&outlines, window, &options.parts)?;
+    let gaps = render::gaps(&outlines, window);
+    let problems = gaps.into_iter().map(|gap| problem(gap, &options.parts)).collect();
+    Problems(problems).into_result(())?;
+
+    let mut sums: Option<(Film, Counters)> = None;
+    let (mut told, mut problems) = (Vec::new(), Problems::default());
+    for index in render::order(&outlines) {
+        interrupt.check()?;
+        let path = &options.parts[index];
+        let part = match file(path).and_then(|file| file.read().map_err(|what| unreadable(path, what))) {
+            Ok(part) if part.outline == *outlines[index] && part.about == about => part,
+            Ok(_) => {
+                problems.push(unreadable(path, "it was replaced meanwhile".to_owned()));
+                continue;
+            }
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        let Part { outline, film, counters, told: how, .. } = part;
+        let (all, counts) = sums.get_or_insert_with(|| {
+            let empty = Film::new(outline.full, window, outline.layout.clone());
+            (empty.named(film.names().clone()), Counters::default())
+        });
+        all.add(&film);
+        *counts += counters;
+        told.push((how, outline, path.clone()));
+    }
+    problems.into_result(())?;
+    let (film, counters) = sums.ok_or_else(|| Problem::new("no part to merge").remedy("name some"))?;
+    Ok(Merged { film, counters, scene_hash: about["scene_hash"].clone(), told })
+}
+
+/// Which parts there are, and of what. Fails with all that cannot be read or are of something else.
+fn outlines(paths: &[PathBuf]) -> Result<(Vec<Outline>, Value)> {
+    let mut problems = Problems::default();
+    let mut first: Option<(Value, PathBuf)> = None;
+    let mut outlines = Vec::new();
+    for path in paths {
+        let file = match file(path) {
+            Ok(file) => file,
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        outlines.push(file.outline().clone());
+        let Some((about, of)) = &first else {
+            first = Some((file.about().clone(), path.clone()));
+            continue;
+        };
+        let mut differences = scene::differences(file.about(), about);
+        if differences.len() > 1 {
+            differences.retain(|told| !told.starts_with("`scene_hash`"));
+        }
+        for told in differences {
+            let told = told.strip_suffix(" here").unwrap_or(&told).replace(" there and ", " here and ");
+            let what = format!("of another picture than `{}`: {told} there", of.display());
+            problems.push(Problem::at(Place::file(path), what).remedy("merge parts of one picture"));
+        }
+    }
+    let about = first.map(|(about, _)| about).unwrap_or_default();
+    problems.into_result((outlines, about))
+}
+
+/// A file of a part.
+fn file(path: &Path) -> std::result::Result<PartFile<Box<dyn std::io::Read>>, Problem> {
+    let (file, length) = open(path).map_err(|error| match error {
+        Error::Input(problems) if !problems.0.is_empty() => problems.0[0].clone(),
+        Error::Io { source, .. } => unreadable(path, format!("cannot read: {source}")),
+        other => unreadable(path, other.to_string()),
+    })?;
+    PartFile::open(file, length).map_err(|what| unreadable(path, what))
+}
+
+fn unreadable(path: &Path, what: String) -> Problem {
+    Problem::at(Place::file(path), what).remedy(REMEDY)
+}
+
+/// Refuses parts that reach beyond what is wanted.
+fn check_window(outlines: &[&Outline], window: Window, paths: &[PathBuf]) -> Result<()> {
+    let mut problems = Problems::default();
+    let [width, height] = outlines[0].full;
+    if window.is_empty() || !window.fits(width, height) {
+        let what = format!("the crop {} is not a part of the picture", corners(window));
+        problems.push(Problem::new(what).remedy(format!("stay within 0,0,{width},{height}")));
+    }
+    for (outline, path) in outlines.iter().zip(paths) {
+        let Window { x0, y0, x1, y1 } = outline.window;
+        if x0 < window.x0 || y0 < window.y0 || x1 > window.x1 || y1 > window.y1 {
+            let what = format!("its pixels {} are not within {}", corners(outline.window), corners(window));
+            problems.push(Problem::at(Place::file(path), what).remedy("give another --crop"));
+        }
+    }
+    problems.into_result(())
+}
+
+fn corners(Window { x0, y0, x1, y1 }: Window) -> String {
+    format!("{x0},{y0},{x1},{y1}")
+}
+
+fn problem(gap: Gap, paths: &[PathBuf]) -> Problem {
+    match gap {
+        Gap::Missing { samples, window } => Problem::new(format!(
+            "no part has the samples {}..{} of the pixels {}",
+            samples.start,
+            samples.end,
+            corners(window)
+        ))
+        .remedy("name the part that has them; for a part of the picture alone, give --crop"),
+        Gap::Doubled { samples, window, parts: [one, other] } => Problem::at(
+            Place::file(&paths[other]),
+            format!(
+                "it has the samples {}..{} of the pixels {}, which `{}` has too",
+                samples.start,
+                samples.end,
+                corners(window),
+                paths[one].display()
+            ),
+        )
+        .remedy("leave one of them out"),
+    }
+}
+
+impl Merged {
+    /// What the parts tell of some metadata.
+    fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a str> {
+        self.told.iter().filter_map(move |(told, _, _)| {
+            let attributes = told["attributes"].as_array()?;
+            attributes.iter().find(|entry| entry[0] == name)?[1].as_str()
+        })
+    }
+
+    /// The metadata: those of the first part, with times added up, and what is true of the whole.
+    fn attributes(&self) -> Vec<(String, String)> {
+        let first = self.told.first().and_then(|(told, _, _)| told["attributes"].as_array());
+        let mut attributes = Vec::new();
+        for entry in first.into_iter().flatten() {
+            let (Some(key), Some(value)) = (entry[0].as_str(), entry[1].as_str()) else { continue };
+            if let Some(value) = self.attribute(key, value) {
+                attributes.push((key.to_owned(), value));
+            }
+        }
+        let [least, most] = self.film.samples_of_pixels();
+        let mut more = vec![("parts", self.told.len().to_string())];
+        if least < most {
+            more.extend([("samples_min", least.to_string()), ("samples_mean", self.mean().to_string())]);
+        }
+        attributes.extend(more.into_iter().map(|(key, value)| (format!("specula:{key}"), value)));
+        attributes
+    }
+
+    /// What some metadata of the first part is of the whole.
+    fn attribute(&self, key: &str, value: &str) -> Option<String> {
+        let [_, most] = self.film.samples_of_pixels();
+        let numbers = || self.all(key).filter_map(|text| text.parse::<f64>().ok());
+        Some(match key.strip_prefix("specula:").unwrap_or(key) {
+            "spp" => most.to_string(),
+            "samples" => format!("0..{most}"),
+            "time_load_s" | "time_build_s" | "time_render_s" | "cpu_render_s" => {
+                ((numbers().sum::<f64>() * 1e6).round() / 1e6).to_string()
+            }
+            "threads" | "peak_memory_bytes" => numbers().fold(0.0, f64::max).to_string(),
+            "non_finite_samples" => self.film.non_finite().count().to_string(),
+            "clamped_part" => self.counters.clamped_part().to_string(),
+            "backend" | "isa" | "ended_by" | "query" => distinct(self.all(key)),
+            // Of one part alone.
+            "samples_min" | "samples_mean" | "estimated_relmse" | "estimated_relmse_bound" => return None,
+            _ => value.to_owned(),
+        })
+    }
+
+    /// How many samples a pixel has on average.
+    #[expect(clippy::cast_precision_loss, reason = "a mean")]
+    fn mean(&self) -> f64 {
+        self.film.samples() as f64 / self.film.window().area() as f64
+    }
+
+    /// How the scene wants to be shown.
+    fn development(&self) -> Development {
+        let Some((told, _, _)) = self.told.first() else { return Development::default() };
+        #[expect(clippy::cast_possible_truncation, reason = "it was single precision")]
+        let exposure_ev = told["exposure_ev"].as_f64().unwrap_or(0.0) as f32;
+        let is_clip = told["tone"] == Tone::Clip.word();
+        Development { exposure_ev, curve: if is_clip { Curve::Clip } else { Curve::Filmic } }
+    }
+
+    /// Everything counted and timed, all parts together.
+    fn report(&self, options: &MergeOptions) -> Value {
+        let phase = |name: &str, clock: &str| {
+            let of =
+                |(told, _, _): &(Value, Outline, PathBuf)| told["statistics"]["phases"][name][clock].as_f64();
+            let sum: f64 = self.told.iter().filter_map(of).sum();
+            (sum * 1e6).round() / 1e6
+        };
+        let phases = ["load", "build", "render"].map(|name| {
+            (name.to_owned(), json!({ "wall_s": phase(name, "wall_s"), "cpu_s": phase(name, "cpu_s") }))
+        });
+        let part = |(_, outline, path): &(Value, Outline, PathBuf)| {
+            let Window { x0, y0, x1, y1 } = outline.window;
+            let samples = [outline.samples.start, outline.samples.end];
+            json!({ "file": path.display().to_string(), "crop": [x0, y0, x1, y1], "samples": samples })
+        };
+        let ([least, most], window) = (self.film.samples_of_pixels(), self.film.window());
+        let non_finite = self.film.non_finite();
+        let sample = |&SampleId { y, x, index }: &SampleId| json!({ "pixel": [x, y], "index": index });
+        json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene_hash": self.scene_hash,
+            "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
+            "parts": self.told.iter().map(part).collect::<Vec<_>>(),
+            "width": self.film.full()[0],
+            "height": self.film.full()[1],
+            "crop": [window.x0, window.y0, window.x1, window.y1],
+            "spp": most,
+            "samples_per_pixel": { "min": least, "mean": self.mean(), "max": most },
+            "phases": phases.into_iter().collect::<serde_json::Map<_, _>>(),
+            "samples": self.film.samples(),
+            "rays": statistics::rays(&self.counters),
+            "pruned": statistics::pruned(&self.counters),
+            "non_finite": {
+                "count": non_finite.count(),
+                "first": non_finite.first().iter().map(sample).collect::<Vec<_>>(),
+            },
+        })
+    }
+}
+
+/// Each word once.
+fn distinct<'a>(words: impl Iterator<Item = &'a str>) -> String {
+    let mut unique: Vec<&str> = words.collect();
+    unique.sort_unstable();
+    unique.dedup();
+    unique.join(", ")
+}

@@ -1,0 +1,176 @@
+//! What a picture is of: the description and all files that it is made of.
+
+use crate::error::{Error, Result};
+use crate::scene::Description;
+use crate::scene::fingerprint::related;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, Read as _};
+use std::path::{Path, PathBuf};
+use xxhash_rust::xxh3::Xxh3;
+
+/// The description as JSON, and 32 hexadecimal digits for each file that it names and for `more` files, by name as seen from `folder`.
+///
+/// Files count by what they hold, not by size and time: on another machine of a farm a copy has another time, and a file that was
+/// just read is read again in no time. Files that are not there count as such. By XXH3 of 128 bits (Collet 2019).
+///
+/// Fails if a file cannot be read.
+pub fn identity(description: &Description, folder: &Path, more: &[PathBuf]) -> Result<Value> {
+    let scene = related(description, folder);
+    let mut paths: BTreeSet<PathBuf> = more.iter().cloned().collect();
+    collect(&description.to_json(), &mut paths);
+    let folder = full(folder);
+    let paths: BTreeSet<PathBuf> = paths.iter().map(|path| full(path)).collect();
+    let mut files = Map::new();
+    for path in &paths {
+        files.insert(seen(path, &folder), digits(path)?.into());
+    }
+    Ok(json!({ "scene": scene, "files": files }))
+}
+
+/// From the root, without links where it is there.
+fn full(path: &Path) -> PathBuf {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    path.canonicalize().or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
+}
+
+/// The name of a file as seen from a folder, both from the root.
+fn seen(path: &Path, folder: &Path) -> String {
+    let (mut path, mut folder) = (path.components().peekable(), folder.components().peekable());
+    while path.peek().is_some() && path.peek() == folder.peek() {
+        path.next();
+        folder.next();
+    }
+    let up = folder.map(|_| "..".as_ref());
+    let seen: PathBuf = up.chain(path.map(|part| part.as_os_str())).collect();
+    seen.to_string_lossy().replace('\\', "/")
+}
+
+/// The values of all keys that name files.
+fn collect(json: &Value, into: &mut BTreeSet<PathBuf>) {
+    match json {
+        Value::Object(entries) => entries.iter().for_each(|(key, entry)| match entry {
+            Value::String(path) if key == "file" => {
+                into.insert(path.into());
+            }
+            _ => collect(entry, into),
+        }),
+        Value::Array(items) => items.iter().for_each(|item| collect(item, into)),
+        _ => {}
+    }
+}
+
+/// Of what a file holds.
+fn digits(path: &Path) -> Result<String> {
+    let failed = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let mut file = match File::open(path) {
+        Ok(file) => file,
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok("not there".to_owned()),
+        Err(error) => return Err(failed(error)),
+    };
+    let (mut hasher, mut block) = (Xxh3::new(), vec![0; 1 << 18]);
+    loop {
+        match file.read(&mut block) {
+            Ok(0) => return Ok(format!("{:032x}", hasher.digest128())),
+            Ok(read) => hasher.update(&block[..read]),
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(failed(error)),
+        }
+    }
+}
+
+/// Of how many differences something is said.
+const TOLD: usize = 8;
+
+/// What differs between two JSON documents, by dotted paths: what it is `there` and what it is here.
+#[must_use]
+pub fn differences(there: &Value, here: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    compare("", Some(there), Some(here), &mut found);
+    let more = found.len().saturating_sub(TOLD);
+    found.truncate(TOLD);
+    if more > 0 {
+        found.push(format!("{more} more values differ"));
+    }
+    found
+}
+
+fn compare(path: &str, there: Option<&Value>, here: Option<&Value>, found: &mut Vec<String>) {
+    let below = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+    match (there, here) {
+        (there, here) if there == here => {}
+        (Some(Value::Object(there)), Some(Value::Object(here))) => {
+            let keys: BTreeSet<&String> = there.keys().chain(here.keys()).collect();
+            keys.into_iter().for_each(|key| compare(&below(key), there.get(key), here.get(key), found));
+        }
+        (Some(Value::Array(there)), Some(Value::Array(here))) if there.len() == here.len() => {
+            for (i, (there, here)) in there.iter().zip(here).enumerate() {
+                compare(&below(&i.to_string()), Some(there), Some(here), found);
+            }
+        }
+        (there, here) => {
+            let [there, here] = [there, here].map(shown);
+            found.push(format!("`{path}` is {there} there and {here} here"));
+        }
+    }
+}
+
+/// A value in few words.
+fn shown(value: Option<&Value>) -> String {
+    match value {
+        None | Some(Value::Null) => "nothing".to_owned(),
+        Some(Value::Array(items)) if items.iter().any(|item| item.is_array() || item.is_object()) => {
+            format!("a list of {}", items.len())
+        }
+        Some(Value::Object(_)) => "a table".to_owned(),
+        Some(other) => other.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_are_named() {
+        let there = json!({ "a": { "b": 1, "c": [1, 2] }, "d": [{}, {}], "same": 3, "gone": "x" });
+        let here = json!({ "a": { "b": 2, "c": [1, 3] }, "d": [{}], "same": 3 });
+        let told = [
+            "`a.b` is 1 there and 2 here",
+            "`a.c.1` is 2 there and 3 here",
+            "`d` is a list of 2 there and a list of 1 here",
+            "`gone` is \"x\" there and nothing here",
+        ];
+        assert_eq!(differences(&there, &here), told, "all");
+        assert_eq!(differences(&here, &here), [""; 0], "none");
+        let many = differences(&json!((0..20).collect::<Vec<_>>()), &json!((1..21).collect::<Vec<_>>()));
+        assert_eq!((many.len(), many[8].as_str()), (9, "12 more values differ"), "some");
+    }
+
+    #[test]
+    fn files_count_by_what_they_hold() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        std::fs::write(path("m.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd none.png\n").expect("written");
+        std::fs::write(path("a.obj"), "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+            .expect("written");
+        std::fs::write(path("scene.toml"), "[[shapes]]\ntype = 'mesh'\nfile = 'a.obj'\n").expect("written");
+        let of = || {
+            let loaded = crate::scene::load(&path("scene.toml"), &[]).expect("a scene");
+            let built = crate::scene::build(&loaded.description).expect("a scene");
+            identity(&loaded.description, folder.path(), &built.files).expect("readable")
+        };
+        let before = of();
+        assert_eq!(before["scene"]["shapes"][0]["file"], "a.obj", "{before}");
+        let names: Vec<_> = before["files"].as_object().expect("files").keys().cloned().collect();
+        assert_eq!(names, ["a.obj", "m.mtl", "none.png"], "{before}");
+        assert_eq!(before["files"]["none.png"], "not there", "{before}");
+        let text = std::fs::read(path("m.mtl")).expect("there");
+        std::fs::write(path("m.mtl"), &text).expect("written");
+        assert_eq!(of(), before, "written again");
+        std::fs::write(path("m.mtl"), "newmtl red\nKd 0 1 0\nmap_Kd none.png\n").expect("written");
+        let told = differences(&before, &of());
+        assert!(told.len() == 1 && told[0].starts_with("`files.m.mtl` is \""), "{told:?}");
+    }
+}
