@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Kills a rendering at random times and lets it go on, until it has been killed often enough; then compares the picture.
 
-    python3 benches/farm/kills.py [--program target/release/specula] [--kills 100] [--every 1.0] [--seed 1] SCENE[:SPP]
+    python3 benches/farm/kills.py [--program target/release/specula] [--kills 100] [--every 1.0] [--seed 1] [--size 480x270] SCENE[:SPP]
 
 Told are, over all kills: how old the last copy was (from the moment at which it was taken, so that this is the work that was
 lost, but for samples of tiles under way: up to 1/16 of the interval), and whether the
@@ -44,6 +44,7 @@ class Run:
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--size", default="480x270")
     parser.add_argument("--program", default="target/release/specula")
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--every", type=float, default=1.0)
@@ -51,8 +52,10 @@ def main():
     parser.add_argument("scene")
     options = parser.parse_args()
     program = os.path.abspath(options.program)
+    width, height = options.size.split("x")
     scene, _, spp = options.scene.partition(":")
     common = [program, "render", scene, "--integrator", "path", "--spp", spp or "4096"]
+    common += ["--width", width, "--height", height]
     dice = random.Random(options.seed)
     with tempfile.TemporaryDirectory() as folder:
         path = lambda name: os.path.join(folder, name)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What slices cost: CPU seconds of N slices and their merge over those of one run, in turn.
 
-    python3 benches/farm/slices.py [--program target/release/specula] [--of 8] [--passes 5] [-t 1] SCENE[:SPP] ...
+    python3 benches/farm/slices.py [--program target/release/specula] [--of 8] [--passes 5] [-t 1] [--size 480x270] SCENE[:SPP] ...
 
 CPU seconds are those of the processes, all of them: reading the scene, building, rendering, writing parts, reading and
 adding them, writing the picture. The merged picture is compared with that of one run by `specula diff`.
@@ -27,6 +27,7 @@ def seconds(words):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--size", default="480x270")
     parser.add_argument("--program", default="target/release/specula")
     parser.add_argument("--of", type=int, default=8)
     parser.add_argument("--passes", type=int, default=5)
@@ -34,13 +35,15 @@ def main():
     parser.add_argument("scenes", nargs="+")
     options = parser.parse_args()
     program = os.path.abspath(options.program)
+    width, height = options.size.split("x")
     print("scene,spp,slices,passes,one_s,slices_s,merge_s,ratio_median,ratio_least,ratio_most,rmse")
     for scene in options.scenes:
         scene, _, spp = scene.partition(":")
         spp = spp or "256"
         with tempfile.TemporaryDirectory() as folder:
             path = lambda name: os.path.join(folder, name)
-            common = [program, "render", scene, "-q", "-t", options.threads, "--spp", spp, "--integrator", "path"]
+            common = [program, "render", scene, "-q", "-t", options.threads, "--spp", spp]
+            common += ["--integrator", "path", "--width", width, "--height", height]
             parts = [path(f"{k}.part") for k in range(options.of)]
             ones, slices, merges = [], [], []
             for _ in range(options.passes):

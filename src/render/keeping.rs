@@ -98,13 +98,14 @@ impl Running {
         let late = every.mul_f64(PART).min(Duration::from_secs_f64(LONGEST));
         let mut writing = Duration::ZERO;
         loop {
-            let wait = every.saturating_sub(late + writing + writing / 2).max(every / 4);
+            let wait = every.saturating_sub(late + 2 * writing).max(every / 4);
             let Err(RecvTimeoutError::Timeout) = end.recv_timeout(wait) else { return };
             let begin = Instant::now();
             if let Err(error) = keeper.keep(&self.copy()) {
                 keeper.missed(error);
             }
-            writing = begin.elapsed();
+            // What took long may do so again, even if it did not the last time.
+            writing = begin.elapsed().max(writing * 3 / 4);
         }
     }
 }
