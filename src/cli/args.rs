@@ -568,7 +568,7 @@ mod tests {
         let help = Args::try_parse_from(["specula", "render", "-h"]).expect_err("help").to_string();
         assert!(help.contains("[possible values: embree, bvh2, cwbvh, brute]"), "{help}");
         let help = help.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(help.contains("crypto_object, crypto_material, cryptomatte]"), "{help}");
+        assert!(help.contains("crypto_object, crypto_material, cryptomatte, gbuffer]"), "{help}");
         assert_eq!(help.matches("geometric_normal").count(), 1, "outputs are named once: {help}");
     }
 
