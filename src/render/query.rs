@@ -2,7 +2,7 @@
 
 use crate::math::lanes::Level;
 use crate::scene::Scene;
-use crate::scene::description::{Backend, Integrator, Query};
+use crate::scene::description::{Backend, FuzzyBy, Integrator, Query};
 
 /// A way to ask for hits, and why it is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +32,10 @@ pub fn lanes() -> &'static str {
 
 fn chosen(render: &crate::scene::description::Render) -> Chosen {
     let of = |query, why| Chosen { query, why };
+    let is_tree = matches!(render.integrator, Integrator::Whitted | Integrator::Distribution);
+    if is_tree && render.glossy == FuzzyBy::TwoPass {
+        return of(Query::Single, "the first of two passes asks one ray at a time");
+    }
     if let Some(query) = render.query {
         return of(query, "as asked for");
     }
