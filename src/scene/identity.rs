@@ -152,9 +152,9 @@ mod tests {
     fn files_count_by_what_they_hold() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = |name: &str| folder.path().join(name);
-        std::fs::write(path("m.mtl"), "newmtl red\nKd 1 0 0\n").expect("written");
-        std::fs::write(path("a.obj"), "mtllib m.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
-            .expect("written");
+        std::fs::write(path("m.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd late.png\n").expect("written");
+        let mesh = "mtllib m.mtl gone.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+        std::fs::write(path("a.obj"), mesh).expect("written");
         std::fs::write(path("scene.toml"), "[[shapes]]\ntype = 'mesh'\nfile = 'a.obj'\n").expect("written");
         let of = || {
             let loaded = crate::scene::load(&path("scene.toml"), &[]).expect("a scene");
@@ -164,12 +164,17 @@ mod tests {
         let before = of();
         assert_eq!(before["scene"]["shapes"][0]["file"], "a.obj", "{before}");
         let names: Vec<_> = before["files"].as_object().expect("files").keys().cloned().collect();
-        assert_eq!(names, ["a.obj", "m.mtl"], "{before}");
+        assert_eq!(names, ["a.obj", "gone.mtl", "m.mtl"], "{before}");
+        assert_eq!(before["files"]["gone.mtl"], "not there", "{before}");
         let text = std::fs::read(path("m.mtl")).expect("there");
         std::fs::write(path("m.mtl"), &text).expect("written");
         assert_eq!(of(), before, "written again");
-        std::fs::write(path("m.mtl"), "newmtl red\nKd 0 1 0\n").expect("written");
+        std::fs::write(path("m.mtl"), "newmtl red\nKd 0 1 0\nmap_Kd late.png\n").expect("written");
         let told = differences(&before, &of());
         assert!(told.len() == 1 && told[0].starts_with("`files.m.mtl` is \""), "{told:?}");
+        std::fs::write(path("m.mtl"), &text).expect("written");
+        image::RgbImage::new(1, 1).save(path("late.png")).expect("written");
+        let told = differences(&before, &of());
+        assert!(told.len() == 1 && told[0].starts_with("`files.late.png` is nothing there"), "{told:?}");
     }
 }
