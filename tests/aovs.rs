@@ -130,7 +130,9 @@ fn surface_parameters_are_those_of_the_first_surface() {
         ("edge_u = [0.0, 1.0, 0.0]\nedge_v = [-1.0, 0.0, 0.0]", 32),
         ("center = [-0.5, 0.0, 0.0]\nedge_u = [0.5, 0.0, 0.0]\nedge_v = [0.0, 1.0, 0.0]", 16),
     ];
-    for (integrator, query) in [("path", "stream"), ("path", "single"), ("whitted", "stream"), ("view", "single")] {
+    for (integrator, query) in
+        [("path", "stream"), ("path", "single"), ("whitted", "stream"), ("view", "single")]
+    {
         for (i, (edges, width)) in edges.into_iter().enumerate() {
             let render = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nspp = 16");
             let film = film(&text(&render, edges), &[Aov::Uv]);
@@ -144,7 +146,10 @@ fn surface_parameters_are_those_of_the_first_surface() {
                 };
                 let found = at(&film, Aov::Uv, [x, y]);
                 // Sixteen stratified samples of a pixel have their mean within a quarter of its width.
-                let near = found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 0.25 / 16.0);
+                let near = found
+                    .iter()
+                    .zip(expected)
+                    .all(|(found, expected)| (found - expected).abs() < 0.25 / 16.0);
                 assert!(near, "{integrator}, {query}, {edges}: {found:?} for {expected:?} at {x}, {y}");
             }
         }

@@ -268,7 +268,11 @@ fn positions_are_counted_as_the_files_do() {
                 let off = |&i: &usize| (f64::from(far[axis][i]) - f64::from(home[axis][i]) - t[axis]).abs();
                 let beyond = hit.iter().filter(|i| off(i) > 2.0 * step + 1e-3).count();
                 println!("{settings}, {t:?}, axis {axis}: {beyond} of {} pixels beyond rounding", hit.len());
-                assert!(beyond * 100 <= hit.len(), "{settings}, {t:?}, axis {axis}: {beyond} of {}", hit.len());
+                assert!(
+                    beyond * 100 <= hit.len(),
+                    "{settings}, {t:?}, axis {axis}: {beyond} of {}",
+                    hit.len()
+                );
             }
         }
     }

@@ -298,7 +298,9 @@ fn overlapping_media_show_the_faces_of_the_stronger_one() {
 #[test]
 fn paths_meet_the_faces_of_the_stronger_medium() {
     for query in ["single", "stream"] {
-        for (priorities, thickness) in [(["priority = 2", "priority = 1"], 2.0), (["priority = 1", "priority = 2"], 2.25)] {
+        for (priorities, thickness) in
+            [(["priority = 2", "priority = 1"], 2.0), (["priority = 1", "priority = 2"], 2.25)]
+        {
             let [glass, water] = priorities;
             let text = TOUCHING.replace("priority = 2", "GLASS").replace("priority = 1", "WATER");
             let text = text.replace("GLASS", glass).replace("WATER", water);
@@ -315,15 +317,25 @@ fn paths_meet_the_faces_of_the_stronger_medium() {
                 [Aov::Beauty, Aov::Variance].map(|aov| rendered.film.channels(aov).expect("kept"));
             for (channel, sigma) in [0.0, 0.5, 2.0].into_iter().enumerate() {
                 let sum = |values: &[f32]| values.iter().map(|&x| f64::from(x)).sum::<f64>();
-                let (found, deviation) = (sum(&mean[channel]) / 256.0, sum(&variance[channel]).sqrt() / 256.0);
+                let (found, deviation) =
+                    (sum(&mean[channel]) / 256.0, sum(&variance[channel]).sqrt() / 256.0);
                 let exact = stack(sigma, thickness);
                 let name = format!("{query}, {priorities:?}, absorption {sigma}");
-                println!("{name}: {found} for {exact}, {:.1} deviations", (found - exact).abs() / deviation.max(1e-9));
+                println!(
+                    "{name}: {found} for {exact}, {:.1} deviations",
+                    (found - exact).abs() / deviation.max(1e-9)
+                );
                 // Of twelve numbers one is beyond four deviations once in 1300 cases; 2e-6 is what rounding leaves where nothing is absorbed.
-                assert!((found - exact).abs() < 4.0 * deviation + 2e-6, "{name}: {found} for {exact} +- {deviation}");
+                assert!(
+                    (found - exact).abs() < 4.0 * deviation + 2e-6,
+                    "{name}: {found} for {exact} +- {deviation}"
+                );
                 // The other order would be noticed.
                 let other = stack(sigma, 4.25 - thickness);
-                assert!(sigma == 0.0 || (exact - other).abs() > 10.0 * deviation, "{name}: {other} +- {deviation}");
+                assert!(
+                    sigma == 0.0 || (exact - other).abs() > 10.0 * deviation,
+                    "{name}: {other} +- {deviation}"
+                );
             }
             let counters = rendered.statistics.counters;
             assert!(counters.hidden > 0, "{query}, {priorities:?}: faces within the stronger one are passed");

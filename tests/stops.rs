@@ -61,7 +61,8 @@ fn time_ends_a_picture_in_time() {
         ("whitted", "single", "glossy = \"two-pass\""),
     ] {
         let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\n{more}");
-        let text = room(&settings).replace("width = 37", "width = 240").replace("height = 21", "height = 160");
+        let text =
+            room(&settings).replace("width = 37", "width = 240").replace("height = 21", "height = 160");
         let stopped = rendered(&text, seconds(LIMIT));
         assert_eq!(stopped.statistics.ended, Ended::Time, "{settings}");
         let [_, most] = stopped.film.samples_of_pixels();
@@ -69,7 +70,10 @@ fn time_ends_a_picture_in_time() {
         println!("{integrator}, {query}, {more}: {most} samples in {took:.2} s, of {LIMIT}");
         // An idle machine is late by a thirtieth; a busy one has been seen to stop a thread for a second.
         assert!(took < 1.25 * LIMIT + 4.0, "{settings}: {took} s");
-        assert!(f64::from(1 << 16) / f64::from(most) * took > 10.0 * LIMIT, "{settings}: all samples take much longer");
+        assert!(
+            f64::from(1 << 16) / f64::from(most) * took > 10.0 * LIMIT,
+            "{settings}: all samples take much longer"
+        );
     }
 }
 

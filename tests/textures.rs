@@ -328,7 +328,12 @@ fn a_file_used_twice_is_loaded_once_and_counted() {
 
 /// Keys of a matt or metal square that name a picture, the material without that key, and what becomes of the surface.
 const WITHOUT: [[&str; 4]; 6] = [
-    ["type = 'diffuse'", "reflectance = { file = 'FILE', factor = 0.2 }", "reflectance = 0.5", "the surface is made gray"],
+    [
+        "type = 'diffuse'",
+        "reflectance = { file = 'FILE', factor = 0.2 }",
+        "reflectance = 0.5",
+        "the surface is made gray",
+    ],
     ["type = 'emission'", "radiance = { file = 'FILE' }", "radiance = 0", "the surface does not shine by it"],
     ["type = 'conductor'\nmetal = 'Au'", "alpha = { file = 'FILE' }", "", "the surface is left polished"],
     ["type = 'diffuse'", "normal_map = { file = 'FILE' }", "", "the surface is left even"],
@@ -346,11 +351,18 @@ fn missing_and_damaged_files_are_warned_of_with_their_place_and_made_up_for() {
             let text = square(WAYS[0], &format!("{material}\n{key}"));
             let built = folder.load(&text).expect("a scene");
             let line = text.lines().position(|line| line.contains(file)).expect("there");
-            let column = text.lines().nth(line).and_then(|line| line.find(&format!("'{file}'"))).expect("there");
+            let column =
+                text.lines().nth(line).and_then(|line| line.find(&format!("'{file}'"))).expect("there");
             let [warning] = &built.warnings[..] else { panic!("{key}: {:?}", built.warnings) };
             let warning = warning.to_string();
-            assert!(warning.contains(&format!("scene.toml:{}:{}: ", line + 1, column + 1)), "{key}: {warning}");
-            assert!(warning.contains(told) && warning.contains(file) && warning.ends_with(what), "{key}: {warning}");
+            assert!(
+                warning.contains(&format!("scene.toml:{}:{}: ", line + 1, column + 1)),
+                "{key}: {warning}"
+            );
+            assert!(
+                warning.contains(told) && warning.contains(file) && warning.ends_with(what),
+                "{key}: {warning}"
+            );
             assert_eq!(warning.contains("did you mean `four.png`?"), file == "for.png", "{key}: {warning}");
             let plain = folder.scene(&square(WAYS[0], &format!("{material}\n{without}")));
             assert_eq!(built.scene.materials, plain.materials, "{key}: as without it");
@@ -359,7 +371,10 @@ fn missing_and_damaged_files_are_warned_of_with_their_place_and_made_up_for() {
                 for way in WAYS {
                     let built = folder.load(&square(way, &format!("{material}\n{key}"))).expect("a scene");
                     let shown = picture(&built.scene).pixel(8, 8);
-                    assert!(close(shown, Rgb::gray(0.5), 0.1), "{way}: visible, whatever the factor: {shown:?}");
+                    assert!(
+                        close(shown, Rgb::gray(0.5), 0.1),
+                        "{way}: visible, whatever the factor: {shown:?}"
+                    );
                 }
             }
         }
@@ -419,7 +434,8 @@ fn all_kinds_of_files_are_read() {
     let light = [200.0_f64, 100.0, 50.0].map(|byte| ((byte / 255.0 + 0.055) / 1.055).powf(2.4) as f32);
     let plane = |value: f32| vec![value; 256];
     for (name, half) in [("float.exr", false), ("half.exr", true)] {
-        let samples = |value: f32| if half { Samples::Half(plane(value)) } else { Samples::Float(plane(value)) };
+        let samples =
+            |value: f32| if half { Samples::Half(plane(value)) } else { Samples::Float(plane(value)) };
         let channel = |(name, value): (&str, f32)| Layer { name: name.to_owned(), samples: samples(value) };
         let channels = ["R", "G", "B"].into_iter().zip(light).map(channel).collect();
         let window = Window::whole(16, 16);
@@ -432,7 +448,9 @@ fn all_kinds_of_files_are_read() {
     image::codecs::hdr::HdrEncoder::new(hdr).encode(&pixels, 16, 16).expect("written");
     // Bytes are exact, and as good as exact in whole floats; JPEG is off by two of them; halves have eleven bits, and HDR eight for its
     // greatest channel, the same step for the others.
-    for (name, tolerance) in [("a.png", 1e-5), ("a.jpg", 0.013), ("float.exr", 1e-5), ("half.exr", 5e-4), ("a.hdr", 4e-3)] {
+    for (name, tolerance) in
+        [("a.png", 1e-5), ("a.jpg", 0.013), ("float.exr", 1e-5), ("half.exr", 5e-4), ("a.hdr", 4e-3)]
+    {
         let material = format!("type = \"diffuse\"\nreflectance = {{ file = \"{name}\" }}");
         for way in &WAYS[..2] {
             let found = picture(&folder.scene(&square(way, &material))).pixel(8, 8);
