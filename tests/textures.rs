@@ -397,8 +397,10 @@ fn what_is_no_picture_or_is_a_light_is_refused_with_its_place() {
     refused(&matt("{ file = 'four.png', wrap = 'round' }"), &["`wrap` is `round`"]);
     refused(&matt("{ file = 'lost.tif' }"), &["scene.toml:", "`", "lost.tif` is of an unknown format"]);
     refused(&matt("{ file = '.' }"), &["scene.toml:", "is a directory"]);
-    for (file, told) in [("lost.exr", "no such file"), ("bad.exr", "bad.exr")] {
-        refused(&format!("[[lights]]\ntype = 'environment'\nfile = '{file}'\n"), &["scene.toml", told]);
+    for (file, told) in
+        [("lost.exr", "scene.toml:3:8: no such file"), ("bad.exr", "bad.exr: not a sound EXR file")]
+    {
+        refused(&format!("[[lights]]\ntype = 'environment'\nfile = '{file}'\n"), &[told]);
     }
 }
 
