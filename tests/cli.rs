@@ -504,3 +504,27 @@ fn nothing_that_is_read_is_overwritten_and_nothing_is_written_twice() {
     }
     assert_eq!(place.names(), ["ball.toml"], "nothing was written");
 }
+
+#[test]
+fn pictures_tell_what_they_were_shaded_with() {
+    let place = place();
+    for level in specula::math::lanes::Level::available() {
+        let wide = format!("{} x {}", level.name(), level.width());
+        for (flags, expected) in [
+            (&["--integrator", "path"][..], wide.as_str()),
+            (&["--integrator", "path", "--query", "single"], "scalar x 1"),
+            (&["--integrator", "whitted", "--backend", "bvh2"], "scalar x 1"),
+        ] {
+            let mut command = place.command();
+            command.args(["render", "ball.toml", "-q", "-o", "a.exr", "--stats", "a.json"]).args(flags);
+            let output = command.env("SPECULA_ISA", level.name()).output().expect("run");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let picture = exr::read(&place.path("a.exr")).expect("a picture");
+            assert_eq!(picture.attribute("specula:lanes"), Some(expected), "{wide}, {flags:?}");
+            let stats = fs::read(place.path("a.json")).expect("written");
+            let stats: serde_json::Value = serde_json::from_slice(&stats).expect("JSON");
+            assert_eq!(stats["lanes"], expected, "{wide}, {flags:?}");
+            assert!(picture.attribute("specula:isa").is_some_and(|isa| isa == stats["isa"]), "the backend's");
+        }
+    }
+}

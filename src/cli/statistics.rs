@@ -9,6 +9,7 @@ use super::frozen::Frozen;
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::{ChosenLights, Counters};
+use crate::math::lanes::Level;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::{FuzzyBy, Integrator, Knob};
@@ -44,6 +45,7 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         ("clamp_indirect", settings.clamp_indirect.to_string()),
         ("backend", statistics.backend.clone()),
         ("isa", statistics.isa.clone()),
+        ("lanes", lanes(render::shading(scene))),
         ("threads", statistics.threads.to_string()),
         ("time_load_s", seconds(load.wall).to_string()),
         ("time_build_s", seconds(statistics.build.wall).to_string()),
@@ -70,6 +72,7 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
         entries.push(("exposure_ev", scene.film.exposure_ev.to_string()));
         entries.push(("tone", scene.film.tone.word().to_owned()));
+        entries.push(("filter_lanes", lanes(render::level())));
         entries.push(("cpu_filter_s", seconds(statistics.filter.cpu).to_string()));
     }
     if settings.clamp_indirect != Knob::Off {
@@ -82,6 +85,11 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
+}
+
+/// An instruction set of ours and how many lanes it has: `avx512 x 16`.
+fn lanes(level: Level) -> String {
+    format!("{} x {}", level.name(), level.width())
 }
 
 /// Which samples pixels have at most.
@@ -108,6 +116,7 @@ fn names(film: &Film) -> Vec<(String, String)> {
 /// Everything counted and timed.
 pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
     let scene = &frozen.scene;
+    let settings = &scene.render;
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
     let window = rendered.film.window();
@@ -120,6 +129,8 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "integrator": scene.render.integrator.word(),
         "backend": statistics.backend,
         "isa": statistics.isa,
+        "lanes": lanes(render::shading(scene)),
+        "filter_lanes": (settings.glossy == FuzzyBy::TwoPass).then(|| lanes(render::level())),
         "query": render::query(scene).query.word(),
         "threads": statistics.threads,
         "width": scene.film.width,
@@ -187,12 +198,17 @@ fn mean(rendered: &Rendered) -> f64 {
 }
 
 /// What a limit on indirect light took away, if there was one: the mean luminance of a sample, and the part of all light.
-#[expect(clippy::cast_precision_loss, reason = "a mean")]
 fn clamped(scene: &Scene, rendered: &Rendered) -> Option<Value> {
     let limit = scene.render.clamp_indirect.value()?;
-    let counters = &rendered.statistics.counters;
-    let luminance = counters.clamped / rendered.statistics.samples.max(1) as f64;
-    Some(json!({ "limit": limit, "luminance": luminance, "part": counters.clamped_part() }))
+    let statistics = &rendered.statistics;
+    Some(clamped_by(f64::from(limit), &statistics.counters, statistics.samples))
+}
+
+/// What that limit took away of so many samples.
+#[expect(clippy::cast_precision_loss, reason = "a mean")]
+pub(super) fn clamped_by(limit: f64, counters: &Counters, samples: u64) -> Value {
+    let luminance = counters.clamped / samples.max(1) as f64;
+    json!({ "limit": limit, "luminance": luminance, "part": counters.clamped_part() })
 }
 
 /// How many samples pixels have, in words.
@@ -237,7 +253,7 @@ fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-fn phase(phase: Phase) -> Value {
+pub(super) fn phase(phase: Phase) -> Value {
     json!({ "wall_s": seconds(phase.wall), "cpu_s": seconds(phase.cpu) })
 }
 

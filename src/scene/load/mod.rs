@@ -6,11 +6,11 @@
 //! (`references`). Whatever is wrong is collected (`report`) and told at once.
 //!
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
-//! for being there, not opened; [`load_mesh`] reads meshes.
+//! for being there, not opened; pictures on surfaces, which a scene can do without, not even that. [`load_mesh`] reads meshes.
 
 pub(crate) mod check;
 pub(crate) mod decode;
-mod files;
+pub(crate) mod files;
 mod merge;
 mod mesh;
 pub(crate) mod node;
