@@ -11,7 +11,7 @@ use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::{ChosenLights, Counters};
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
-use crate::scene::description::{FuzzyBy, Integrator, Knob};
+use crate::scene::description::{FuzzyBy, Integrator, Knob, Render};
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,6 +42,8 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         ("min_throughput", settings.min_throughput.to_string()),
         ("roulette", settings.roulette.to_string()),
         ("clamp_indirect", settings.clamp_indirect.to_string()),
+        ("fresnel", settings.fresnel.word().to_owned()),
+        ("glossy", settings.glossy.word().to_owned()),
         ("backend", statistics.backend.clone()),
         ("isa", statistics.isa.clone()),
         ("threads", statistics.threads.to_string()),
@@ -61,11 +63,16 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     if settings.integrator == Integrator::Path {
         let lights = ChosenLights::of(scene);
         entries.push(("light_choice", lights.choice.word().to_owned()));
+        entries.push(("direct", settings.direct.word().to_owned()));
+    }
+    if is_tree(settings) {
+        entries.extend([
+            ("light_samples", settings.light_samples().to_string()),
+            ("glossy_samples", settings.glossy_samples().to_string()),
+            ("split_depth", settings.split_depth.to_string()),
+        ]);
     }
     entries.push(("query", render::query(scene).query.word().to_owned()));
-    if settings.glossy != FuzzyBy::Lobe {
-        entries.push(("glossy", settings.glossy.word().to_owned()));
-    }
     if settings.glossy == FuzzyBy::TwoPass {
         entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
         entries.push(("exposure_ev", scene.film.exposure_ev.to_string()));
@@ -82,6 +89,11 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
+}
+
+/// Whether hits are split, as in ray trees alone.
+fn is_tree(settings: &Render) -> bool {
+    matches!(settings.integrator, Integrator::Whitted | Integrator::Distribution)
 }
 
 /// Which samples pixels have at most.
@@ -108,6 +120,8 @@ fn names(film: &Film) -> Vec<(String, String)> {
 /// Everything counted and timed.
 pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
     let scene = &frozen.scene;
+    let settings = &scene.render;
+    let is_tree = is_tree(settings);
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
     let window = rendered.film.window();
@@ -117,7 +131,13 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "scene": options.scene.display().to_string(),
         "scene_hash": frozen.hash,
         "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
-        "integrator": scene.render.integrator.word(),
+        "integrator": settings.integrator.word(),
+        "fresnel": settings.fresnel.word(),
+        "glossy": settings.glossy.word(),
+        "direct": (settings.integrator == Integrator::Path).then(|| settings.direct.word()),
+        "light_samples": is_tree.then(|| settings.light_samples()),
+        "glossy_samples": is_tree.then(|| settings.glossy_samples()),
+        "split_depth": is_tree.then_some(settings.split_depth),
         "backend": statistics.backend,
         "isa": statistics.isa,
         "query": render::query(scene).query.word(),
@@ -132,7 +152,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "time_limit_s": options.limits.time.map(seconds),
         "target_error": options.limits.error,
         "estimated_error": statistics.estimate.map(|it| json!({ "relmse": it.error, "bound": it.bound })),
-        "seed": scene.render.seed,
+        "seed": settings.seed,
         "phases": {
             "load": phase(times.load),
             "build": phase(statistics.build),
