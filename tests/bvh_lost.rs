@@ -125,6 +125,14 @@ fn is_plain(world: &World) -> bool {
     seen && world.filters.is_empty() && world.shapes.iter().all(plain)
 }
 
+fn triangles(world: &World) -> Vec<[Vec3; 3]> {
+    let of = |shape: &Shape| {
+        let Shape::Mesh(mesh) = shape else { unreachable!("meshes") };
+        (0..mesh.triangles().len()).map(|i| mesh.corners(u32::try_from(i).expect("few"))).collect::<Vec<_>>()
+    };
+    world.placements.iter().flat_map(|placement| of(&world.shapes[placement.shape.index()])).collect()
+}
+
 #[test]
 fn no_hit_is_lost_by_boxes() {
     let worlds = worlds::worlds().into_iter().filter(|(_, world)| is_plain(world));
@@ -136,16 +144,7 @@ fn no_hit_is_lost_by_boxes() {
     let (mut unaimed, mut unaimed_hits) = ([0; 8], 0);
     for (name, world) in worlds {
         let world = Arc::new(world);
-        let triangles: Vec<[Vec3; 3]> = world
-            .placements
-            .iter()
-            .flat_map(|placement| {
-                let Shape::Mesh(mesh) = &world.shapes[placement.shape.index()] else {
-                    unreachable!("meshes")
-                };
-                (0..mesh.triangles().len()).map(|i| mesh.corners(u32::try_from(i).expect("few")))
-            })
-            .collect();
+        let triangles = triangles(&world);
         let all = ours::<Binary>(&world, 1e7);
         let exact: Nearest<'_> = Box::new(|ray| {
             let hit =

@@ -60,18 +60,7 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         entries
             .extend([("estimated_relmse", error.to_string()), ("estimated_relmse_bound", bound.to_string())]);
     }
-    if settings.integrator == Integrator::Path {
-        let lights = ChosenLights::of(scene);
-        entries.push(("light_choice", lights.choice.word().to_owned()));
-        entries.push(("direct", settings.direct.word().to_owned()));
-    }
-    if is_tree(settings) {
-        entries.extend([
-            ("light_samples", settings.light_samples().to_string()),
-            ("glossy_samples", settings.glossy_samples().to_string()),
-            ("split_depth", settings.split_depth.to_string()),
-        ]);
-    }
+    entries.extend(knobs(scene));
     entries.push(("query", render::query(scene).query.word().to_owned()));
     if settings.glossy == FuzzyBy::TwoPass {
         entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
@@ -89,6 +78,30 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
+}
+
+/// What paths alone, or ray trees alone, are told.
+fn knobs(scene: &Scene) -> Vec<(&'static str, String)> {
+    let settings = &scene.render;
+    let (is_path, is_tree) = (settings.integrator == Integrator::Path, is_tree(settings));
+    let of_paths = || {
+        let choice = ChosenLights::of(scene).choice;
+        vec![("light_choice", choice.word().to_owned()), ("direct", settings.direct.word().to_owned())]
+    };
+    let of_trees = || {
+        vec![
+            ("light_samples", settings.light_samples().to_string()),
+            ("glossy_samples", settings.glossy_samples().to_string()),
+            ("split_depth", settings.split_depth.to_string()),
+        ]
+    };
+    if is_path {
+        of_paths()
+    } else if is_tree {
+        of_trees()
+    } else {
+        Vec::new()
+    }
 }
 
 /// Whether hits are split, as in ray trees alone.
