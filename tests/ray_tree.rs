@@ -94,22 +94,59 @@ fn a_glass_sphere_in_a_furnace_lacks_what_depth_cuts() {
     }
 }
 
+/// What is missing at that many interfaces where a face reflects `r`.
+fn deficit(r: f64, interfaces: u32) -> f64 {
+    (1.0 - r) * r.powi(interfaces.cast_signed() - 1)
+}
+
 #[test]
 fn the_deficit_of_the_whole_disc_is_the_tables() {
     let scene = scene_of(BALL_IN_FURNACE);
-    for (interfaces, mean) in [(2, 0.07268), (3, 0.01149), (4, 0.003_501), (6, 0.000_810), (8, 0.000_308)] {
-        let steps = 4000_u16;
-        let sum: f64 = (0..steps)
-            .map(|i| {
-                // Rings of equal area.
-                let sin = ((f64::from(i) + 0.5) / f64::from(steps)).sqrt();
-                let (found, _) =
-                    trace(&scene, whitted(interfaces + 1, 0.0), at_angle(sin.asin().to_degrees()), 0);
-                1.0 - f64::from(found.color.g)
-            })
-            .sum();
-        let found = sum / f64::from(steps);
-        assert!((found - mean).abs() < 0.01 * mean + 2e-6, "{interfaces} interfaces: {found} for {mean}");
+    // Interfaces, the mean, and half of its last digit.
+    for (interfaces, printed, digit) in [
+        (2, 0.07268, 5e-6),
+        (3, 0.01149, 5e-6),
+        (4, 0.003_501, 5e-7),
+        (6, 0.000_810, 5e-7),
+        (8, 0.000_308, 5e-7),
+        (16, 3.3e-5, 5e-7),
+        (32, 3.9e-6, 5e-8),
+    ] {
+        // Rings of equal area.
+        let mean = |steps: u32, of: &dyn Fn(f64) -> f64| {
+            let ring = |i: u32| ((f64::from(i) + 0.5) / f64::from(steps)).sqrt().asin().to_degrees();
+            (0..steps).map(|i| of(ring(i))).sum::<f64>() / f64::from(steps)
+        };
+        let exact = mean(1_000_000, &|angle| deficit(fresnel(angle, 1.5), interfaces));
+        assert!((exact - printed).abs() < 1.02 * digit, "{interfaces} interfaces: table {printed} {exact}");
+        let found = mean(4000, &|angle| {
+            1.0 - f64::from(trace(&scene, whitted(interfaces + 1, 0.0), at_angle(angle), 0).0.color.g)
+        });
+        let tolerance = 0.01 * exact + 1e-6;
+        assert!((found - exact).abs() < tolerance, "{interfaces} interfaces: {found} for {exact}");
+    }
+}
+
+/// No depth is enough at the rim: where a face reflects 1 - 1/D of the light, D interfaces leave 1/(e D) of it inside.
+#[test]
+fn the_worst_angle_loses_what_the_table_says() {
+    let scene = scene_of(BALL_IN_FURNACE);
+    for (interfaces, printed) in [(4, 0.1055), (8, 0.0491), (16, 0.0237), (32, 0.0117)] {
+        let most = 1.0 - 1.0 / f64::from(interfaces);
+        assert!((deficit(most, interfaces) - printed).abs() < 5e-5, "{interfaces}: table {printed}");
+        let (mut low, mut high) = (60.0, 90.0);
+        for _ in 0..50 {
+            let middle = (low + high) / 2.0;
+            if fresnel(middle, 1.5) < most { low = middle } else { high = middle }
+        }
+        let found = |angle: f64| {
+            1.0 - f64::from(trace(&scene, whitted(interfaces + 1, 0.0), at_angle(angle), 0).0.color.g)
+        };
+        assert!((found(low) - printed).abs() < 1e-4, "{interfaces} at {low}: {} for {printed}", found(low));
+        for i in 0..900_u16 {
+            let angle = f64::from(i) / 10.0;
+            assert!(found(angle) < printed + 1e-4, "{interfaces} at {angle}: {}", found(angle));
+        }
     }
 }
 

@@ -137,11 +137,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(LightChoice::ALL, LightChoice::word))]
     pub light_choice: Option<String>,
 
-    /// Shadow rays to each light that has a size, at the first hits of a camera ray
+    /// Shadow rays of the ray tree to each light that has a size, at the first hits of a camera ray
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub light_samples: Option<String>,
 
-    /// Rays of each glossy lobe, at the first hits of a camera ray
+    /// Rays of the ray tree for each glossy lobe, at the first hits of a camera ray
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
 
