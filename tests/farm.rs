@@ -29,7 +29,11 @@ fn desk() -> (Desk, PathBuf) {
     let desk = Desk::new();
     let folder = desk.path(ODD);
     fs::create_dir(&folder).expect("made");
-    fs::write(folder.join("a room.toml"), room("integrator = \"path\"\nspp = 48")).expect("written");
+    let mesh = "[[shapes]]\ntype = \"mesh\"\nfile = \"sub/a mesh.obj\"\nmaterial = \"wall\"\n";
+    let scene = room("integrator = \"path\"\nspp = 48") + mesh;
+    fs::write(folder.join("a room.toml"), scene).expect("written");
+    fs::create_dir(folder.join("sub")).expect("made");
+    fs::write(folder.join("sub/a mesh.obj"), "v 0 0 1\nv 1 0 1\nv 0 1 1\nf 1 2 3\n").expect("written");
     (desk, folder)
 }
 
@@ -267,7 +271,7 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
     let told = text(&output.stderr).lines().filter(|line| line.starts_with("error: ")).count();
     assert_eq!((output.status.code(), told), (Some(2), 3), "all at once: {}", text(&output.stderr));
     let names: Vec<_> = fs::read_dir(&folder).expect("there").collect();
-    assert_eq!(names.len(), 1, "only the scene: {names:?}");
+    assert_eq!(names.len(), 2, "only the scene: {names:?}");
 
     let output = specula(&folder).args(["farm", "slurm", "a room.toml", "--dir", "a room.toml/x"]).output().expect("run");
     assert_eq!(output.status.code(), Some(1), "a directory that cannot be: {}", text(&output.stderr));

@@ -53,11 +53,8 @@ impl SlurmOptions {
         let mut problems = Problems::default();
         args.sbatch_option.iter().for_each(|word| check_sbatch(word, &mut problems));
         let at_once = args.at_once.as_deref().and_then(|text| count("at-once", text, &mut problems));
-        let sbatch = args.sbatch_option.clone();
-        match FarmOptions::read(&args.common, problems) {
-            Ok(farm) => Ok(Self { farm, sbatch, at_once }),
-            Err(error) => Err(error),
-        }
+        let farm = FarmOptions::read(&args.common, problems)?;
+        Ok(Self { farm, sbatch: args.sbatch_option.clone(), at_once })
     }
 }
 
