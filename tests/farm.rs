@@ -2,6 +2,7 @@
 //! that of one run.
 
 #![cfg(unix)]
+#![expect(clippy::print_stdout, reason = "tests tell what they skip, and when tasks ran")]
 
 #[path = "farm/cluster.rs"]
 mod cluster;
@@ -104,15 +105,18 @@ fn command_of(desk: &Desk, name: &str, script: &str) -> PathBuf {
 /// `PATH` with a folder before all others.
 fn path_with(bin: &Path) -> std::ffi::OsString {
     let others = std::env::var_os("PATH").unwrap_or_default();
-    std::env::join_paths(std::iter::once(bin.to_owned()).chain(std::env::split_paths(&others))).expect("names")
+    std::env::join_paths(std::iter::once(bin.to_owned()).chain(std::env::split_paths(&others)))
+        .expect("names")
 }
 
 #[test]
 fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
     let (_desk, folder) = desk();
-    let flags = ["--aov=albedo,variance", "-D", "materials.wall.reflectance=[0.5, 0.4, 0.3]", "--crop=3,2,30,20"];
+    let flags =
+        ["--aov=albedo,variance", "-D", "materials.wall.reflectance=[0.5, 0.4, 0.3]", "--crop=3,2,30,20"];
     done(specula(&folder).args(["render", "a room.toml", "-q", "-o", "one.exr"]).args(flags));
-    let further = ["-o", "all $@.exr", "-o", "all.png", "--stats", "all.json", "--slices=3", "--checkpoint-every=5s"];
+    let further =
+        ["-o", "all $@.exr", "-o", "all.png", "--stats", "all.json", "--slices=3", "--checkpoint-every=5s"];
     let document = farm(&folder, "slurm", &[&flags[..], &further].concat());
     assert_eq!(document["slices"], 3, "{document}");
     assert_eq!(document["to_render"], json!([0, 1, 2]), "{document}");
@@ -127,7 +131,11 @@ fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
         assert!(tasks.lines().any(|found| found == line), "{line} in {tasks}");
     }
     let last = tasks.lines().last().expect("lines");
-    for word in ["--checkpoint-every=5s", "--aov=albedo --aov=variance", "'materials.wall.reflectance=[0.5, 0.4, 0.3]'"] {
+    for word in [
+        "--checkpoint-every=5s",
+        "--aov=albedo --aov=variance",
+        "'materials.wall.reflectance=[0.5, 0.4, 0.3]'",
+    ] {
         assert!(last.contains(word), "{word} in {last}");
     }
     assert!(!tasks.contains("all.json") && !tasks.contains("--output=all"), "what is for the merge: {tasks}");
@@ -139,10 +147,12 @@ fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
     done(&mut node(&files[1], &[("SLURM_JOB_ID", "9")]));
     assert_eq!(fs::read_to_string(dir.join("merge-9.status")).expect("there"), "0\n", "status");
     assert_same(&folder.join("one.exr"), &folder.join("all $@.exr"));
-    let stats: Value = serde_json::from_slice(&fs::read(folder.join("all.json")).expect("there")).expect("JSON");
+    let stats: Value =
+        serde_json::from_slice(&fs::read(folder.join("all.json")).expect("there")).expect("JSON");
     assert_eq!(stats["spp"], 48, "{stats}");
     assert!(folder.join("all.png").is_file() && !folder.join("gone").exists(), "nothing was run by a name");
-    let left: Vec<_> = fs::read_dir(&dir).expect("there").map(|entry| entry.expect("an entry").file_name()).collect();
+    let left: Vec<_> =
+        fs::read_dir(&dir).expect("there").map(|entry| entry.expect("an entry").file_name()).collect();
     assert_eq!(left.len(), 3 + 3 + 1, "scripts, parts and the status: {left:?}");
 }
 
@@ -260,7 +270,8 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
     ];
     for engine in ["slurm", "openjd"] {
         for (flags, parts) in cases {
-            let output = specula(&folder).args(["farm", engine, "a room.toml"]).args(flags).output().expect("run");
+            let output =
+                specula(&folder).args(["farm", engine, "a room.toml"]).args(flags).output().expect("run");
             let said = text(&output.stderr);
             assert_eq!((output.status.code(), output.stdout.len()), (Some(2), 0), "{flags:?}: {said}");
             parts.iter().for_each(|part| assert!(said.contains(part), "{flags:?}: `{part}` in {said}"));
@@ -273,7 +284,10 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
     let names: Vec<_> = fs::read_dir(&folder).expect("there").collect();
     assert_eq!(names.len(), 2, "only the scene: {names:?}");
 
-    let output = specula(&folder).args(["farm", "slurm", "a room.toml", "--dir", "a room.toml/x"]).output().expect("run");
+    let output = specula(&folder)
+        .args(["farm", "slurm", "a room.toml", "--dir", "a room.toml/x"])
+        .output()
+        .expect("run");
     assert_eq!(output.status.code(), Some(1), "a directory that cannot be: {}", text(&output.stderr));
     assert!(text(&output.stderr).contains("a room.toml/x"), "{}", text(&output.stderr));
 }
@@ -290,14 +304,23 @@ fn jobs_are_queued_with_the_merge_behind_the_tasks() {
     let bin = command_of(&desk, "sbatch", &sbatch);
     command_of(&desk, "scancel", &format!("#!/bin/sh\necho \"scancel $*\" >>{}\n", told.display()));
     let submit = |more: &[&str]| {
-        let words = ["farm", "slurm", "a room.toml", "-o", "a.exr", "--submit", "--sbatch-option=--comment=it's \"two words\""];
+        let words = [
+            "farm",
+            "slurm",
+            "a room.toml",
+            "-o",
+            "a.exr",
+            "--submit",
+            "--sbatch-option=--comment=it's \"two words\"",
+        ];
         let mut command = specula(&folder);
         command.args(words).args(more).env("PATH", path_with(&bin));
         command
     };
     let out = done(&mut submit(&["-q"]));
     let dir = folder.join("a.farm");
-    let names = ["tasks.sbatch", "merge.sbatch", "submit.sh"].map(|name| dir.join(name).display().to_string());
+    let names =
+        ["tasks.sbatch", "merge.sbatch", "submit.sh"].map(|name| dir.join(name).display().to_string());
     let lines: Vec<_> = out.lines().collect();
     assert_eq!(lines, [&names[0], &names[1], &names[2], "tasks 14", "merge 24"], "printed");
     let noted = fs::read_to_string(&told).expect("there");
@@ -420,9 +443,12 @@ fn slurm_renders_the_picture_though_a_node_dies_under_it() {
         found.unwrap_or_else(|| panic!("nothing runs on {node}"))
     };
     let (kept, lost) = (on("n1"), on("n2"));
-    let checkpoints = |slice: u32| files_of(&dir, "part-", ".ckpt").iter().filter(|path| {
-        path.to_string_lossy().contains(&format!("-{slice}.part"))
-    }).count();
+    let checkpoints = |slice: u32| {
+        files_of(&dir, "part-", ".ckpt")
+            .iter()
+            .filter(|path| path.to_string_lossy().contains(&format!("-{slice}.part")))
+            .count()
+    };
     wait_for("checkpoints", Duration::from_secs(60), || checkpoints(kept) > 0 && checkpoints(lost) > 0);
     let parts = |slice: u32| files_of(&dir, "part-", &format!("-{slice}.part")).len();
     assert_eq!((parts(kept), parts(lost)), (0, 0), "both are under way");
@@ -480,7 +506,10 @@ fn a_failed_slice_is_told_and_the_others_are_kept(cluster: &Cluster, folder: &Pa
 fn openjd() -> Option<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/openjd/bin");
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let found = std::env::split_paths(&path).chain([own]).map(|folder| folder.join("openjd")).find(|file| file.is_file());
+    let found = std::env::split_paths(&path)
+        .chain([own])
+        .map(|folder| folder.join("openjd"))
+        .find(|file| file.is_file());
     if found.is_none() {
         println!("skipped: there is no `openjd` (PyPI: openjd-cli)");
     }
@@ -491,7 +520,8 @@ fn openjd() -> Option<PathBuf> {
 fn the_template_makes_the_picture() {
     let (_desk, folder) = desk();
     let flags = ["--aov=albedo", "-D", "render.seed=3"];
-    let further = ["-o", "all $@.exr", "-o", "all.png", "--stats=all.json", "--half", "--slices=3", "--dir=d i r"];
+    let further =
+        ["-o", "all $@.exr", "-o", "all.png", "--stats=all.json", "--half", "--slices=3", "--dir=d i r"];
     let document = farm(&folder, "openjd", &[&flags[..], &further].concat());
     let template = paths(&document, "files").remove(0);
     let read: Value = serde_json::from_slice(&fs::read(&template).expect("there")).expect("JSON");
@@ -500,7 +530,10 @@ fn the_template_makes_the_picture() {
     assert_eq!((&space["range"], &space["type"]), (&json!("0-2"), &json!("INT")), "{read}");
     assert_eq!(read["steps"][1]["dependencies"], json!([{ "dependsOn": "Render" }]), "{read}");
     let steps = read["steps"].to_string();
-    assert!(!steps.contains("touch") && !steps.contains("render.seed"), "what was typed is in no step: {steps}");
+    assert!(
+        !steps.contains("touch") && !steps.contains("render.seed"),
+        "what was typed is in no step: {steps}"
+    );
 
     let Some(openjd) = openjd() else { return };
     done(Command::new(&openjd).arg("check").arg(&template));
@@ -512,7 +545,17 @@ fn the_template_makes_the_picture() {
 
     // What is there is not rendered again; with --submit the picture is there at once.
     let mut command = specula(&folder);
-    command.args(["farm", "openjd", "a room.toml", "-q", "-o", "b.exr", "--dir=d i r", "--slices=3", "--submit"]);
+    command.args([
+        "farm",
+        "openjd",
+        "a room.toml",
+        "-q",
+        "-o",
+        "b.exr",
+        "--dir=d i r",
+        "--slices=3",
+        "--submit",
+    ]);
     let bin = openjd.parent().expect("a folder");
     let out = done(command.args(flags).env("PATH", path_with(bin)));
     assert!(out.ends_with("b.exr\n"), "told: {out}");
@@ -528,7 +571,8 @@ fn assert_same_halves(one: &Path, other: &Path) {
     assert_eq!(one.channels.len(), other.channels.len(), "channels");
     for (one, other) in one.channels.iter().zip(&other.channels) {
         let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let worst = one.iter().zip(&other).map(|(a, b)| (a - b).abs() / a.abs().max(1e-3)).fold(0.0, f32::max);
+        let worst =
+            one.iter().zip(&other).map(|(a, b)| (a - b).abs() / a.abs().max(1e-3)).fold(0.0, f32::max);
         assert!(worst <= 1.0 / 1024.0, "{worst}");
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn run(args: &FarmArgs) -> Result<()> {
             written(&job, &files)?;
             tell("openjd", &job, &files, None)?;
             if options.submit {
-                openjd::run(&options.dir.join(&files[0].0))?;
+                openjd::run(&options.dir.join(files[0].0))?;
                 made(&options)?;
             }
         }

@@ -10,7 +10,8 @@ pub(crate) struct Cluster(TempDir);
 impl Cluster {
     /// Starts it. None where Slurm or MUNGE is not installed, which is printed.
     pub(crate) fn up(nodes: usize) -> Option<Self> {
-        let missing = ["munged", "slurmctld", "slurmd", "sbatch", "scontrol"].into_iter().find(|name| !is_there(name));
+        let missing =
+            ["munged", "slurmctld", "slurmd", "sbatch", "scontrol"].into_iter().find(|name| !is_there(name));
         if let Some(name) = missing {
             println!("skipped: there is no `{name}` (Debian: slurmctld, slurmd, slurm-client, munge)");
             return None;

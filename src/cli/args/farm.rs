@@ -220,8 +220,16 @@ mod tests {
 
     #[test]
     fn words_that_are_passed_on_mean_the_same() {
-        let given =
-            slurm(&["a.toml", "--aov", "albedo,depth", "--fresnel=schlick", "-D", "a.b=c", "--log-level", "warn"]);
+        let given = slurm(&[
+            "a.toml",
+            "--aov",
+            "albedo,depth",
+            "--fresnel=schlick",
+            "-D",
+            "a.b=c",
+            "--log-level",
+            "warn",
+        ]);
         let farmed = given.common.picture;
         let words = ["specula", "render", "a.toml"].into_iter().map(Into::into).chain(farmed.words);
         let Command::Render(args) = Args::try_parse_from(words).expect("parsed").command else {

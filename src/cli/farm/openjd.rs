@@ -10,8 +10,8 @@ use std::process::{Command, Stdio};
 
 use serde_json::{Map, Value, json};
 
-use super::job::{CHECKPOINT, Job};
 use super::Written;
+use super::job::{CHECKPOINT, Job};
 use crate::error::{Error, Problem, Result};
 
 const TEMPLATE: &str = "template.json";
@@ -114,6 +114,11 @@ fn template(job: &Job<'_>) -> Result<Value> {
         words.push(parameters.word(&format!("Flag{}", i + 1), word)?);
     }
 
+    let args = [
+        vec!["{{Task.File.Run}}".to_owned(), "{{Task.Param.Slice}}".to_owned(), program.clone(), dir, folder],
+        words,
+        vec![scene],
+    ];
     let has_tasks = !job.missing.is_empty();
     let render = json!({
         "name": "Render",
@@ -121,7 +126,7 @@ fn template(job: &Job<'_>) -> Result<Value> {
         "script": {
             "actions": { "onRun": {
                 "command": "sh",
-                "args": [["{{Task.File.Run}}", "{{Task.Param.Slice}}"].map(str::to_owned).to_vec(), vec![program.clone(), dir, folder], words, vec![scene]].concat(),
+                "args": args.concat(),
                 // Time for a checkpoint.
                 "cancelation": { "mode": "NOTIFY_THEN_TERMINATE", "notifyPeriodInSeconds": 60 },
             } },

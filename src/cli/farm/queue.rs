@@ -190,7 +190,8 @@ fn ended(job: &Job<'_>, ids: &Ids, status: i32) -> Result<()> {
     match status {
         0 => Ok(()),
         2 => {
-            let problem = Problem::new(format!("the parts could not be merged, as `{}` tells", log.display()));
+            let problem =
+                Problem::new(format!("the parts could not be merged, as `{}` tells", log.display()));
             Err(problem.remedy("give the command again: parts that are there are kept").into())
         }
         _ => Err(failed(format!("the merge ended with status {status}; `{}` tells why", log.display()))),
@@ -204,9 +205,16 @@ fn lost(job: &Job<'_>, ids: &Ids, what: &str) -> Error {
     let why = match gone.first() {
         Some(slice) => {
             let log = job.options.dir.join(format!("task-{tasks}_{slice}.log"));
-            format!("{} of {} slices are not there; `{}` tells of the first", gone.len(), job.slices, log.display())
+            format!(
+                "{} of {} slices are not there; `{}` tells of the first",
+                gone.len(),
+                job.slices,
+                log.display()
+            )
         }
-        None => format!("`{}` may tell why", job.options.dir.join(format!("merge-{}.log", ids.merge)).display()),
+        None => {
+            format!("`{}` may tell why", job.options.dir.join(format!("merge-{}.log", ids.merge)).display())
+        }
     };
     let remedy = "give the command again: what is there is kept, and the rest goes on from its checkpoints";
     failed(format!("the merge (job {}) was {what}: {why}; {remedy}", ids.merge))

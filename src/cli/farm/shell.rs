@@ -83,7 +83,8 @@ mod tests {
         let script = Script::default()
             .set("a", OsStr::from_bytes(words[5]))
             .command("printf '%s\\0' \"$a\"", words.map(OsStr::from_bytes));
-        let output = Command::new("sh").arg("-c").arg(OsStr::from_bytes(script.bytes())).output().expect("a shell");
+        let output =
+            Command::new("sh").arg("-c").arg(OsStr::from_bytes(script.bytes())).output().expect("a shell");
         let read: Vec<&[u8]> = output.stdout.split(|&byte| byte == 0).collect();
         assert_eq!(read[0], words[5], "a variable");
         assert_eq!(read[1..13], words, "words");

@@ -1,8 +1,8 @@
 //! Scripts for Slurm: a job array of renderings, the job that merges their parts, and how both are queued.
 //!
 //! Options of ours stand in the scripts and those of the user on the command line of `sbatch`, which has the last word. The scripts
-//! are queued from the directory of the farm, so that logs have names without directories: Slurm has its own rules for quotes and
-//! percent signs in names, and none for newlines.
+//! are queued from the directory of the farm, so that logs have names without directories: Slurm has its own rules for quotes in
+//! names, and none for newlines.
 
 use super::job::{CHECKPOINT, Job};
 use super::shell::Script;
@@ -28,8 +28,20 @@ pub(super) fn status(id: &str) -> String {
     format!("merge-{id}.status")
 }
 
+/// Where a job logs to: the option for its head, and what its body does about it. Slurm expands percent signs in the name of the directory,
+/// too, and leaves all as it is where there is a backslash; then the shell opens the log, and it lacks what Slurm itself has to say.
+fn log(job: &Job<'_>, pattern: &str, name: &str) -> (String, String) {
+    let dir = job.options.dir.as_os_str().as_encoded_bytes();
+    if dir.iter().any(|byte| b"%\\".contains(byte)) {
+        ("/dev/null".to_owned(), format!("exec >>\"$dir/{name}\" 2>&1"))
+    } else {
+        (pattern.to_owned(), "# Slurm has opened the log.".to_owned())
+    }
+}
+
 /// One rendering for each slice.
 fn tasks(job: &Job<'_>, options: &SlurmOptions) -> Script {
+    let (log, open_log) = log(job, "task-%A_%a.log", "task-${SLURM_ARRAY_JOB_ID}_$SLURM_ARRAY_TASK_ID.log");
     let at_once = options.at_once.map_or(String::new(), |number| format!("%{number}"));
     let head = format!(
         "#!/bin/sh
@@ -37,7 +49,7 @@ fn tasks(job: &Job<'_>, options: &SlurmOptions) -> Script {
 #SBATCH --array={}{at_once}
 #SBATCH --requeue
 #SBATCH --open-mode=append
-#SBATCH --output=task-%A_%a.log
+#SBATCH --output={log}
 # Renders a slice of a picture; written by specula {}, queued by {SUBMIT}.
 set -eu",
         job.name(),
@@ -50,6 +62,7 @@ set -eu",
         .command("cd --", [farm.folder.as_os_str()])
         .set("program", &farm.program)
         .set("dir", &farm.dir)
+        .lines(open_log)
         .lines(format!(
             r#"slices={}
 slice=$SLURM_ARRAY_TASK_ID
@@ -69,8 +82,7 @@ set -- render --slice="$slice/$slices" --output="$part""#,
         script = script.lines(CHECKPOINT).lines(r#"set -- "$@" --checkpoint="$checkpoint" --resume"#);
     }
     if !farm.has_threads {
-        script =
-            script.lines(r#"set -- "$@" --threads="${SLURM_CPUS_PER_TASK:-${SLURM_CPUS_ON_NODE:-1}}""#);
+        script = script.lines(r#"set -- "$@" --threads="${SLURM_CPUS_PER_TASK:-${SLURM_CPUS_ON_NODE:-1}}""#);
     }
     let words = farm.words.iter().map(|word| word.as_os_str());
     script
@@ -81,12 +93,13 @@ set -- render --slice="$slice/$slices" --output="$part""#,
 /// The picture of all parts. Its status goes to a file, since Slurm soon forgets.
 fn merge(job: &Job<'_>) -> Script {
     let farm = job.options;
+    let (log, open_log) = log(job, "merge-%j.log", "merge-$SLURM_JOB_ID.log");
     let head = format!(
         "#!/bin/sh
 #SBATCH --job-name={}-merge
 #SBATCH --requeue
 #SBATCH --open-mode=append
-#SBATCH --output=merge-%j.log
+#SBATCH --output={log}
 # Merges the slices of a picture; written by specula {}, queued by {SUBMIT}.
 set -eu",
         job.name(),
@@ -102,6 +115,7 @@ set -eu",
         .command("cd --", [farm.folder.as_os_str()])
         .set("program", &farm.program)
         .set("dir", &farm.dir)
+        .lines(open_log)
         .command("set -- merge", words.iter().map(|word| word.as_os_str()))
         .lines(format!(
             r#"status=0
