@@ -1,11 +1,12 @@
 //! A template in the terms of Open Job Description (2023-09): a step of renderings, one for each slice, and a step that merges their parts.
 //!
 //! Whatever a user may have typed is the value of a parameter, of type `PATH` where it names a file, so that engines can map it to
-//! what it is called on their machines. Values are not looked at for expressions (`{{...}}`), other strings of a
+//! what it is called on their machines. Paths are told as seen from the template, since defaults may not begin at the root (section 2.2 has
+//! them joined to its directory). Values are not looked at for expressions (`{{...}}`), other strings of a
 //! template are. Scripts get them as words, not as text. The document is JSON, which templates may be.
 
 use std::ffi::OsStr;
-use std::path::Path;
+use std::path::{Component, Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use serde_json::{Map, Value, json};
@@ -47,14 +48,17 @@ pub(super) fn run(template: &Path) -> Result<()> {
 }
 
 /// Parameters as they are asked for.
-#[derive(Debug, Default)]
-struct Parameters {
+#[derive(Debug)]
+struct Parameters<'a> {
+    /// The directory of the template.
+    dir: &'a Path,
     definitions: Vec<Value>,
 }
 
-impl Parameters {
+impl Parameters<'_> {
     /// A path of a file or a directory that is read or written.
     fn path(&mut self, name: &str, path: &Path, (object, flow): (&str, &str)) -> Result<String> {
+        let path = seen(path, self.dir);
         self.add(name, path.as_os_str(), json!({ "type": "PATH", "objectType": object, "dataFlow": flow }))
     }
 
@@ -91,10 +95,18 @@ impl Parameters {
     }
 }
 
+/// A path as seen from a directory, both from the root and read as they are written.
+fn seen(path: &Path, dir: &Path) -> PathBuf {
+    let same = path.components().zip(dir.components()).take_while(|(a, b)| a == b).count();
+    let up = dir.components().skip(same).map(|_| Component::ParentDir);
+    let seen: PathBuf = up.chain(path.components().skip(same)).collect();
+    if seen.as_os_str().is_empty() { ".".into() } else { seen }
+}
+
 /// The document.
 fn template(job: &Job<'_>) -> Result<Value> {
     let farm = job.options;
-    let mut parameters = Parameters::default();
+    let mut parameters = Parameters { dir: &farm.dir, definitions: Vec::new() };
     let scene = parameters.path("Scene", &farm.scene, ("FILE", "IN"))?;
     let dir = parameters.path("Dir", &farm.dir, ("DIRECTORY", "INOUT"))?;
     let folder = parameters.path("Folder", &farm.folder, ("DIRECTORY", "IN"))?;
@@ -173,4 +185,18 @@ exec "$program" render --slice="$slice/{}" --output="$part" "$@"
         job.stem(),
         job.slices,
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_seen_from_the_template() {
+        let seen = |path: &str| seen(Path::new(path), Path::new("/a/b/c.farm"));
+        assert_eq!(seen("/a/b/x.toml"), Path::new("../x.toml"), "beside");
+        assert_eq!(seen("/a/b/c.farm"), Path::new("."), "itself");
+        assert_eq!(seen("/a/b/c.farm/d"), Path::new("d"), "within");
+        assert_eq!(seen("/z"), Path::new("../../../z"), "far");
+    }
 }

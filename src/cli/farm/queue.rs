@@ -77,17 +77,16 @@ pub(super) fn wait(job: &Job<'_>, ids: &Ids, interrupt: &Interrupt) -> Result<()
         if let Some(status) = read(&told) {
             return ended(job, ids, status);
         }
-        let state = state(ids);
-        if state == State::Succeeded {
-            return Ok(());
-        }
-        if let State::Over(what) = &state {
-            let begin = *since.get_or_insert_with(Instant::now);
-            if begin.elapsed() >= PATIENCE {
-                return Err(lost(job, ids, what));
+        match state(ids) {
+            State::Succeeded => return Ok(()),
+            State::Never => return Err(lost(job, ids, "not run, since a task has failed")),
+            State::Over(what) => {
+                let begin = *since.get_or_insert_with(Instant::now);
+                if begin.elapsed() >= PATIENCE {
+                    return Err(lost(job, ids, &what));
+                }
             }
-        } else {
-            since = None;
+            State::Alive => since = None,
         }
         let tally = ids.tasks.as_ref().and_then(|tasks| tally(ids, tasks)).unwrap_or_default();
         if tally != last && !tally.is_empty() {
@@ -106,7 +105,9 @@ enum State {
     Alive,
     /// It has ended well.
     Succeeded,
-    /// It has ended in some other way, is unknown, or will never run.
+    /// It will never run, since a task has failed.
+    Never,
+    /// It has ended in some other way, or is unknown.
     Over(String),
 }
 
@@ -135,7 +136,7 @@ fn state_of(line: &str) -> State {
     match (state, reason) {
         ("", _) => State::Over("unknown to Slurm".to_owned()),
         ("COMPLETED", _) => State::Succeeded,
-        ("PENDING", "DependencyNeverSatisfied") => State::Over("not run, since a task has failed".to_owned()),
+        ("PENDING" | "CANCELLED", "DependencyNeverSatisfied") => State::Never,
         (
             "BOOT_FAIL" | "CANCELLED" | "DEADLINE" | "FAILED" | "NODE_FAIL" | "OUT_OF_MEMORY" | "PREEMPTED"
             | "REVOKED" | "TIMEOUT",
@@ -246,7 +247,10 @@ mod tests {
             assert_eq!(state_of(alive), State::Alive, "{alive}");
         }
         assert_eq!(state_of("COMPLETED|None\n"), State::Succeeded, "ended well");
-        for over in ["PENDING|DependencyNeverSatisfied", "CANCELLED|None", "FAILED|NonZeroExitCode", ""] {
+        for never in ["PENDING|DependencyNeverSatisfied", "CANCELLED|DependencyNeverSatisfied"] {
+            assert_eq!(state_of(never), State::Never, "{never}");
+        }
+        for over in ["CANCELLED|None", "FAILED|NonZeroExitCode", ""] {
             assert!(matches!(state_of(over), State::Over(_)), "{over}");
         }
     }

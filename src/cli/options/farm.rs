@@ -1,7 +1,7 @@
 //! What `farm` is to do.
 
 use std::ffi::{OsStr, OsString};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use super::{RenderOptions, given, is_part, on_command_line, rendered_paths, with_extension};
 use crate::cli::args::{FIRST_PASS, FarmCommonArgs, OpenJdArgs, RenderArgs, SlurmArgs};
@@ -74,7 +74,7 @@ impl FarmOptions {
         }
         let slices = args.slices.as_deref().and_then(|text| count("slices", text, &mut problems));
         let folder = folder()?;
-        let absolute = |path: &Path| folder.join(path);
+        let absolute = |path: &Path| from_root(&folder, path);
         let outputs = rendered_paths(&RenderArgs { slice: None, ..render.clone() });
         let dir = args.dir.clone().unwrap_or_else(|| outputs[0].with_extension("farm"));
         let program = match &args.program {
@@ -202,6 +202,16 @@ fn folder() -> Result<PathBuf> {
     let named = std::env::var_os("PWD").map(PathBuf::from).filter(|path| path.is_absolute());
     let named = named.filter(|path| path.canonicalize().is_ok_and(|path| path == told));
     Ok(named.unwrap_or(told))
+}
+
+/// A path from the root, without `..` where what stands before it can be found.
+fn from_root(folder: &Path, path: &Path) -> PathBuf {
+    let path = folder.join(path);
+    let has_up = path.components().any(|part| part == Component::ParentDir);
+    match (path.parent().map(Path::canonicalize), path.file_name()) {
+        (Some(Ok(parent)), Some(name)) if has_up => parent.join(name),
+        _ => path,
+    }
 }
 
 #[cfg(test)]
