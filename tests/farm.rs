@@ -22,13 +22,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// A name that a shell, Slurm and templates could all take for something else.
-const ODD: &str = "it's \"odd\"; $(touch gone) `touch gone` %A_%a {{Param.x}} \\ # ü";
+/// A name that a shell and templates could take for something else.
+const ODD: &str = "it's \"odd\"; $(touch gone) `touch gone` {{Param.x}} # ü";
 
-/// A folder of that name with a scene in it.
-fn desk() -> (Desk, PathBuf) {
+/// One that Slurm could, too.
+const ODDER: &str = "it's \"odder\"; %A_%a %% \\ {{Param.x}} # ü";
+
+/// A folder of such a name with a scene in it.
+fn desk(name: &str) -> (Desk, PathBuf) {
     let desk = Desk::new();
-    let folder = desk.path(ODD);
+    let folder = desk.path(name);
     fs::create_dir(&folder).expect("made");
     let mesh = "[[shapes]]\ntype = \"mesh\"\nfile = \"sub/a mesh.obj\"\nmaterial = \"wall\"\n";
     let scene = room("integrator = \"path\"\nspp = 48") + mesh;
@@ -111,7 +114,7 @@ fn path_with(bin: &Path) -> std::ffi::OsString {
 
 #[test]
 fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags =
         ["--aov=albedo,variance", "-D", "materials.wall.reflectance=[0.5, 0.4, 0.3]", "--crop=3,2,30,20"];
     done(specula(&folder).args(["render", "a room.toml", "-q", "-o", "one.exr"]).args(flags));
@@ -158,7 +161,7 @@ fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
 
 #[test]
 fn what_is_there_is_not_rendered_again_and_other_pictures_do_not_count() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags = ["--slices=6", "-o", "a.exr", "--at-once=2"];
     let document = farm(&folder, "slurm", &flags);
     let (files, parts) = (paths(&document, "files"), paths(&document, "parts"));
@@ -189,7 +192,7 @@ const LONG: [&str; 4] = ["-D", "film.width=160", "-D", "film.height=90"];
 
 #[test]
 fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags = [&LONG[..], &["--spp=8192", "--slices=2", "-o", "a.exr", "--checkpoint-every=1s"]].concat();
     let document = farm(&folder, "slurm", &flags);
     let (files, parts) = (paths(&document, "files"), paths(&document, "parts"));
@@ -218,7 +221,7 @@ fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
 
 #[test]
 fn a_task_that_runs_twice_at_once_gives_one_sound_part() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags = ["--spp=96", "--slices=2", "-o", "a.exr", "--checkpoint-every=10ms"];
     let document = farm(&folder, "slurm", &flags);
     let files = paths(&document, "files");
@@ -238,7 +241,7 @@ fn a_task_that_runs_twice_at_once_gives_one_sound_part() {
 
 #[test]
 fn filtered_reflections_are_sliced_without_checkpoints() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags = ["--integrator=whitted", "--glossy=two-pass", "--slices=2", "-o", "a.exr"];
     let document = farm(&folder, "slurm", &flags);
     let files = paths(&document, "files");
@@ -251,7 +254,7 @@ fn filtered_reflections_are_sliced_without_checkpoints() {
 
 #[test]
 fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let cases: [(&[&str], &[&str]); 14] = [
         (&["--time-limit=90s"], &["--time-limit", "known beforehand", "--spp"]),
         (&["--target-error=0.1"], &["--target-error", "--spp"]),
@@ -294,7 +297,7 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
 
 #[test]
 fn jobs_are_queued_with_the_merge_behind_the_tasks() {
-    let (desk, folder) = desk();
+    let (desk, folder) = desk(ODD);
     let told = desk.path("told");
     // Stands for Slurm: notes its words and gives numbers.
     let sbatch = format!(
@@ -430,7 +433,7 @@ fn files_of(dir: &Path, begin: &str, end: &str) -> Vec<PathBuf> {
 #[test]
 fn slurm_renders_the_picture_though_a_node_dies_under_it() {
     let Some(cluster) = Cluster::up(2) else { return };
-    let (_desk, folder) = desk();
+    let (desk, folder) = desk(ODDER);
     let mut flags = flags_for(&folder, 4, 6.0);
     done(specula(&folder).args(["render", "a room.toml", "-q", "-o", "one.exr"]).args(&flags));
     flags.extend(["--slices=4", "-o", "a.exr", "-o", "a.png", "--checkpoint-every=1s"].map(str::to_owned));
@@ -473,11 +476,11 @@ fn slurm_renders_the_picture_though_a_node_dies_under_it() {
         println!("slice {slice}: {}", going_on.unwrap_or("began anew"));
         assert!(going_on.is_some(), "from its checkpoint: {log}");
     }
-    a_failed_slice_is_told_and_the_others_are_kept(&cluster, &folder);
+    a_failed_slice_is_told_and_the_others_are_kept(&cluster, &folder, &desk.path("b.farm"));
 }
 
 /// One slice fails; the rest of the picture is there when it is asked for again.
-fn a_failed_slice_is_told_and_the_others_are_kept(cluster: &Cluster, folder: &Path) {
+fn a_failed_slice_is_told_and_the_others_are_kept(cluster: &Cluster, folder: &Path, dir: &Path) {
     use std::os::unix::fs::PermissionsExt as _;
     let program = folder.join("fails once");
     let real = assert_cmd::cargo::cargo_bin("specula");
@@ -487,13 +490,20 @@ fn a_failed_slice_is_told_and_the_others_are_kept(cluster: &Cluster, folder: &Pa
     );
     fs::write(&program, script).expect("written");
     fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("may be run");
-    let flags = ["--slices=3", "-o", "b.exr", "--program=./fails once"].map(str::to_owned);
+    let to = format!("--dir={}", dir.display());
+    let flags = ["--slices=3", "-o", "b.exr", &to, "--program=./fails once"].map(str::to_owned);
     let output = Farm::new(cluster, folder, &flags).end();
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("a task has failed") || said.contains("cancelled"), "why: {said}");
     assert!(said.contains("_1.log") && !folder.join("b.exr").exists(), "which: {said}");
-    let flags = &flags[..3];
+    assert!(
+        files_of(dir, "task-", "_1.log")
+            .iter()
+            .any(|log| fs::read(log).is_ok_and(|text| text.ends_with(b"broken\n"))),
+        "its log"
+    );
+    let flags = &flags[..4];
     let document = farm(folder, "slurm", &flags.iter().map(String::as_str).collect::<Vec<_>>());
     assert_eq!(document["to_render"], json!([1]), "{document}");
     let output = Farm::new(cluster, folder, flags).end();
@@ -518,7 +528,7 @@ fn openjd() -> Option<PathBuf> {
 
 #[test]
 fn the_template_makes_the_picture() {
-    let (_desk, folder) = desk();
+    let (_desk, folder) = desk(ODD);
     let flags = ["--aov=albedo", "-D", "render.seed=3"];
     let further =
         ["-o", "all $@.exr", "-o", "all.png", "--stats=all.json", "--half", "--slices=3", "--dir=d i r"];
