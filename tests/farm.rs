@@ -193,7 +193,11 @@ const LONG: [&str; 4] = ["-D", "film.width=160", "-D", "film.height=90"];
 #[test]
 fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
     let (_desk, folder) = desk(ODD);
-    let flags = [&LONG[..], &["--spp=8192", "--slices=2", "-o", "a.exr", "--checkpoint-every=1s"]].concat();
+    let flags = [
+        &LONG[..],
+        &["--spp=8192", "--slices=2", "-o", "a.exr", "--checkpoint-every=1s", "--log-level=info"],
+    ]
+    .concat();
     let document = farm(&folder, "slurm", &flags);
     let (files, parts) = (paths(&document, "files"), paths(&document, "parts"));
     let mut task = node(&files[0], &[("SLURM_ARRAY_TASK_ID", "0")]);
@@ -213,6 +217,7 @@ fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
     let again = [("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_RESTART_COUNT", "1")];
     let output = node(&files[0], &again).output().expect("run");
     assert!(output.status.success(), "{}", text(&output.stderr));
+    // The log of tasks is that of the command.
     assert!(text(&output.stderr).contains("going on from"), "{}", text(&output.stderr));
     assert!(checkpoint().is_none() && parts[0].is_file(), "a part and no checkpoint");
     let said = done(&mut node(&files[0], &again));
@@ -533,8 +538,9 @@ fn the_template_makes_the_picture() {
     let further =
         ["-o", "all $@.exr", "-o", "all.png", "--stats=all.json", "--half", "--slices=3", "--dir=d i r"];
     let document = farm(&folder, "openjd", &[&flags[..], &further].concat());
-    let template = paths(&document, "files").remove(0);
-    let read: Value = serde_json::from_slice(&fs::read(&template).expect("there")).expect("JSON");
+    let [template, parameters] = &paths(&document, "files")[..] else { panic!("{document}") };
+    let parameters = format!("file://{}", parameters.display());
+    let read: Value = serde_json::from_slice(&fs::read(template).expect("there")).expect("JSON");
     assert_eq!(read["specificationVersion"], "jobtemplate-2023-09", "{read}");
     let space = &read["steps"][0]["parameterSpace"]["taskParameterDefinitions"][0];
     assert_eq!((&space["range"], &space["type"]), (&json!("0-2"), &json!("INT")), "{read}");
@@ -546,8 +552,8 @@ fn the_template_makes_the_picture() {
     );
 
     let Some(openjd) = openjd() else { return };
-    done(Command::new(&openjd).arg("check").arg(&template));
-    done(Command::new(&openjd).arg("run").arg(&template));
+    done(Command::new(&openjd).arg("check").arg(template));
+    done(Command::new(&openjd).arg("run").arg(template).args(["-p", &parameters]));
     done(specula(&folder).args(["render", "a room.toml", "-q", "--half", "-o", "one.exr"]).args(flags));
     assert_same_halves(&folder.join("one.exr"), &folder.join("all $@.exr"));
     assert!(folder.join("all.png").is_file() && folder.join("all.json").is_file(), "all that was asked for");

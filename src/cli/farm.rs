@@ -45,11 +45,11 @@ pub(super) fn run(args: &FarmArgs) -> Result<()> {
             log::start(&args.common.picture.args.log);
             let options = FarmOptions::of_openjd(args)?;
             let job = Job::new(&options)?;
-            let files = vec![openjd::file(&job)?];
+            let files = openjd::files(&job)?;
             written(&job, &files)?;
             tell("openjd", &job, &files, None)?;
             if options.submit {
-                openjd::run(&options.dir.join(files[0].0))?;
+                openjd::run(&job)?;
                 made(&options)?;
             }
         }

@@ -1,12 +1,12 @@
 //! A template in the terms of Open Job Description (2023-09): a step of renderings, one for each slice, and a step that merges their parts.
 //!
 //! Whatever a user may have typed is the value of a parameter, of type `PATH` where it names a file, so that engines can map it to
-//! what it is called on their machines. Paths are told as seen from the template, since defaults may not begin at the root (section 2.2 has
-//! them joined to its directory). Values are not looked at for expressions (`{{...}}`), other strings of a
-//! template are. Scripts get them as words, not as text. The document is JSON, which templates may be.
+//! what it is called on their machines. Paths are told in a file of their own, since defaults of a template cannot name what lies outside of
+//! its directory. Values are not looked at for expressions (`{{...}}`), other strings of a template are. Scripts get them as words,
+//! not as text. Both documents are JSON, which templates may be.
 
-use std::ffi::OsStr;
-use std::path::{Component, Path, PathBuf};
+use std::ffi::{OsStr, OsString};
+use std::path::Path;
 use std::process::{Command, Stdio};
 
 use serde_json::{Map, Value, json};
@@ -16,21 +16,27 @@ use super::job::{CHECKPOINT, Job};
 use crate::error::{Error, Problem, Result};
 
 const TEMPLATE: &str = "template.json";
+const PARAMETERS: &str = "parameters.json";
 
 /// The most characters of a value, and the most parameters, by sections 2.5 and 1.1 of the specification.
 const LONGEST: usize = 1024;
 const MOST: usize = 50;
 
-/// The template as a file.
-pub(super) fn file(job: &Job<'_>) -> Result<Written> {
-    Ok((TEMPLATE, format!("{:#}\n", template(job)?).into_bytes()))
+/// The template, and where everything is.
+pub(super) fn files(job: &Job<'_>) -> Result<Vec<Written>> {
+    let (template, parameters) = template(job)?;
+    let text = |document: &Value| format!("{document:#}\n").into_bytes();
+    Ok(vec![(TEMPLATE, text(&template)), (PARAMETERS, text(&parameters))])
 }
 
-/// Runs a template on this machine.
-pub(super) fn run(template: &Path) -> Result<()> {
+/// Runs the template on this machine.
+pub(super) fn run(job: &Job<'_>) -> Result<()> {
+    let template = job.options.dir.join(TEMPLATE);
+    let mut parameters = OsString::from("file://");
+    parameters.push(job.options.dir.join(PARAMETERS));
     // Standard output is for results, and what is told there is not.
     let status = Command::new("openjd")
-        .args([OsStr::new("run"), template.as_os_str()])
+        .args([OsStr::new("run"), template.as_os_str(), OsStr::new("-p"), &parameters])
         .stdin(Stdio::null())
         .stdout(std::io::stderr())
         .status();
@@ -48,65 +54,60 @@ pub(super) fn run(template: &Path) -> Result<()> {
 }
 
 /// Parameters as they are asked for.
-#[derive(Debug)]
-struct Parameters<'a> {
-    /// The directory of the template.
-    dir: &'a Path,
+#[derive(Debug, Default)]
+struct Parameters {
     definitions: Vec<Value>,
+    /// The values of those that have no default.
+    values: Map<String, Value>,
 }
 
-impl Parameters<'_> {
+impl Parameters {
     /// A path of a file or a directory that is read or written.
     fn path(&mut self, name: &str, path: &Path, (object, flow): (&str, &str)) -> Result<String> {
-        let path = seen(path, self.dir);
-        self.add(name, path.as_os_str(), json!({ "type": "PATH", "objectType": object, "dataFlow": flow }))
+        let text = self.text(path.as_os_str())?;
+        self.values.insert(name.to_owned(), text.into());
+        let kind = json!({ "name": name, "type": "PATH", "objectType": object, "dataFlow": flow });
+        Ok(self.define(name, kind))
     }
 
     /// A word.
     fn word(&mut self, name: &str, word: &OsStr) -> Result<String> {
-        self.add(name, word, json!({ "type": "STRING" }))
+        let text = self.text(word)?;
+        Ok(self.define(name, json!({ "name": name, "type": "STRING", "default": text })))
     }
 
-    /// Defines a parameter; the expression that stands for its value.
-    fn add(&mut self, name: &str, value: &OsStr, kind: Value) -> Result<String> {
-        let problem = |what: String, remedy: &str| {
-            Err(Problem::new(format!("in an Open Job Description {what}")).remedy(remedy).into())
-        };
+    /// A value, if it can be one.
+    fn text(&self, value: &OsStr) -> Result<String> {
         let Some(text) = value.to_str() else {
             let what = format!("`{}` cannot be named, which is not UTF-8", value.to_string_lossy());
-            return problem(what, "rename it");
+            return refused(what, "rename it");
         };
         if text.chars().count() > LONGEST {
             let what = format!("values have {LONGEST} characters at most, and `{text}` has more");
-            return problem(what, "write long values into the scene file");
+            return refused(what, "write long values into the scene file");
         }
         if self.definitions.len() == MOST {
             let what = format!("there are {MOST} parameters at most");
-            return problem(what, "write values into the scene file instead of giving many flags");
+            return refused(what, "write values into the scene file instead of giving many flags");
         }
-        let mut definition = Map::new();
-        definition.insert("name".to_owned(), name.into());
-        if let Value::Object(kind) = kind {
-            definition.extend(kind);
-        }
-        definition.insert("default".to_owned(), text.into());
-        self.definitions.push(definition.into());
-        Ok(format!("{{{{Param.{name}}}}}"))
+        Ok(text.to_owned())
+    }
+
+    /// The expression that stands for the value of a parameter.
+    fn define(&mut self, name: &str, definition: Value) -> String {
+        self.definitions.push(definition);
+        format!("{{{{Param.{name}}}}}")
     }
 }
 
-/// A path as seen from a directory, both from the root and read as they are written.
-fn seen(path: &Path, dir: &Path) -> PathBuf {
-    let same = path.components().zip(dir.components()).take_while(|(a, b)| a == b).count();
-    let up = dir.components().skip(same).map(|_| Component::ParentDir);
-    let seen: PathBuf = up.chain(path.components().skip(same)).collect();
-    if seen.as_os_str().is_empty() { ".".into() } else { seen }
+fn refused<T>(what: String, remedy: &str) -> Result<T> {
+    Err(Problem::new(format!("in an Open Job Description {what}")).remedy(remedy).into())
 }
 
-/// The document.
-fn template(job: &Job<'_>) -> Result<Value> {
+/// The document, and the values that it asks for.
+fn template(job: &Job<'_>) -> Result<(Value, Value)> {
     let farm = job.options;
-    let mut parameters = Parameters { dir: &farm.dir, definitions: Vec::new() };
+    let mut parameters = Parameters::default();
     let scene = parameters.path("Scene", &farm.scene, ("FILE", "IN"))?;
     let dir = parameters.path("Dir", &farm.dir, ("DIRECTORY", "INOUT"))?;
     let folder = parameters.path("Folder", &farm.folder, ("DIRECTORY", "IN"))?;
@@ -156,12 +157,13 @@ fn template(job: &Job<'_>) -> Result<Value> {
     if has_tasks {
         merging["dependencies"] = json!([{ "dependsOn": "Render" }]);
     }
-    Ok(json!({
+    let template = json!({
         "specificationVersion": "jobtemplate-2023-09",
         "name": job.name(),
         "parameterDefinitions": parameters.definitions,
         "steps": if has_tasks { vec![render, merging] } else { vec![merging] },
-    }))
+    });
+    Ok((template, parameters.values.into()))
 }
 
 /// What a task runs. All that may be odd comes as words.
@@ -185,18 +187,4 @@ exec "$program" render --slice="$slice/{}" --output="$part" "$@"
         job.stem(),
         job.slices,
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn paths_are_seen_from_the_template() {
-        let seen = |path: &str| seen(Path::new(path), Path::new("/a/b/c.farm"));
-        assert_eq!(seen("/a/b/x.toml"), Path::new("../x.toml"), "beside");
-        assert_eq!(seen("/a/b/c.farm"), Path::new("."), "itself");
-        assert_eq!(seen("/a/b/c.farm/d"), Path::new("d"), "within");
-        assert_eq!(seen("/z"), Path::new("../../../z"), "far");
-    }
 }
