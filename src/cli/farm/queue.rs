@@ -1,7 +1,7 @@
 //! Jobs in Slurm's queue: put there, and waited for.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
@@ -93,7 +93,7 @@ pub(super) fn wait(job: &Job<'_>, ids: &Ids, interrupt: &Interrupt) -> Result<()
             tracing::info!("tasks: {tally}");
             last = tally;
         }
-        rest(every, interrupt, ids)?;
+        rest(every, &told, (ids, interrupt))?;
         every = EVERY[1].min(every * 2);
     }
 }
@@ -167,20 +167,20 @@ fn ask(ids: &Ids, words: &[&str]) -> io::Result<Output> {
 }
 
 /// The status that the merge has written, if it has.
-fn read(told: &PathBuf) -> Option<i32> {
+fn read(told: &Path) -> Option<i32> {
     std::fs::read_to_string(told).ok()?.trim().parse().ok()
 }
 
-/// Sleeps, but wakes up when somebody asks to stop. The jobs stay.
-fn rest(time: Duration, interrupt: &Interrupt, ids: &Ids) -> Result<()> {
+/// Sleeps until the time is over or the file is there. Fails when somebody asks to stop; the jobs stay.
+fn rest(time: Duration, told: &Path, (ids, interrupt): (&Ids, &Interrupt)) -> Result<()> {
     let begin = Instant::now();
-    while begin.elapsed() < time {
+    while begin.elapsed() < time && !told.exists() {
         if let Err(error) = interrupt.check() {
             let all: Vec<&str> = ids.tasks.iter().chain([&ids.merge]).map(String::as_str).collect();
             tracing::warn!("the jobs go on; `scancel {}` ends them", all.join(" "));
             return Err(error);
         }
-        std::thread::sleep(Duration::from_millis(100));
+        std::thread::sleep(Duration::from_millis(250));
     }
     Ok(())
 }
