@@ -171,10 +171,10 @@ fn read(told: &Path) -> Option<i32> {
     std::fs::read_to_string(told).ok()?.trim().parse().ok()
 }
 
-/// Sleeps until the time is over or the file is there. Fails when somebody asks to stop; the jobs stay.
+/// Sleeps until the time is over or the status is there. Fails when somebody asks to stop; the jobs stay.
 fn rest(time: Duration, told: &Path, (ids, interrupt): (&Ids, &Interrupt)) -> Result<()> {
     let begin = Instant::now();
-    while begin.elapsed() < time && !told.exists() {
+    while begin.elapsed() < time && read(told).is_none() {
         if let Err(error) = interrupt.check() {
             let all: Vec<&str> = ids.tasks.iter().chain([&ids.merge]).map(String::as_str).collect();
             tracing::warn!("the jobs go on; `scancel {}` ends them", all.join(" "));
