@@ -53,7 +53,7 @@ fn help_lists_the_commands_and_version_the_version() {
     let place = place();
     let (status, stdout, stderr) = place.run(&["--help"]);
     assert_eq!((status, stderr.as_str()), (0, ""), "help is a result");
-    for command in ["render", "merge", "diff", "fuzzy", "bench", "schema", "completions", "man"] {
+    for command in ["render", "merge", "farm", "diff", "fuzzy", "bench", "schema", "completions", "man"] {
         assert!(stdout.contains(command), "{command} in {stdout}");
     }
     let (status, stdout, _) = place.run(&["render", "--help"]);
@@ -454,9 +454,22 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
     let (status, stdout, stderr) = place.run(&["man", "--dir", "man"]);
     assert_eq!(status, 0, "{stderr}");
     let names: Vec<_> = stdout.lines().collect();
-    let wanted =
-        ["", "-render", "-plan", "-merge", "-diff", "-fuzzy", "-bench", "-schema", "-completions", "-man"]
-            .map(|sub| format!("specula{sub}"));
+    let wanted = [
+        "",
+        "-render",
+        "-plan",
+        "-merge",
+        "-farm",
+        "-farm-slurm",
+        "-farm-openjd",
+        "-diff",
+        "-fuzzy",
+        "-bench",
+        "-schema",
+        "-completions",
+        "-man",
+    ]
+    .map(|sub| format!("specula{sub}"));
     assert_eq!(names, wanted.map(|name| format!("man/{name}.1")), "pages");
     let page = fs::read_to_string(place.path("man/specula-render.1")).expect("there");
     assert!(page.contains("min\\-throughput") && page.contains(".TH specula-render 1"), "{page}");

@@ -1,5 +1,9 @@
 //! The command line as typed: words, and help beside them.
 
+mod farm;
+
+pub use farm::{FarmArgs, FarmCommonArgs, FarmEngine, Farmed, OpenJdArgs, SlurmArgs};
+
 use std::ffi::OsStr;
 use std::path::PathBuf;
 
@@ -33,6 +37,8 @@ pub enum Command {
     Plan(Box<PlanArgs>),
     /// Join slices or crops into one picture
     Merge(Box<MergeArgs>),
+    /// Have many machines render slices of a picture and merge them, through an engine that runs jobs
+    Farm(FarmArgs),
     /// Measure how far a picture is from its reference
     Diff(Box<DiffArgs>),
     /// Make fuzzy reflections again from a saved first pass, with another roughness and no ray

@@ -1,10 +1,12 @@
 //! The command line as meant: checked, with defaults resolved.
 
 mod bench;
+mod farm;
 mod fuzzy;
 mod merge;
 
 pub(super) use bench::BenchOptions;
+pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
 
