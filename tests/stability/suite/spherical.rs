@@ -4,6 +4,7 @@ use super::axes::{Axis, of};
 use super::big::{Big, big, cross, dot, pi, unit};
 use super::row::Row;
 use specula::math::Vec3;
+use specula::math::lanes::{Isa, Kernel, Lanes};
 use specula::sampling::{SphericalRectangle, SphericalTriangle};
 
 /// The nearer end of an edge.
@@ -140,13 +141,54 @@ impl Triangle {
     }
 }
 
-#[expect(clippy::too_many_lines, reason = "a list")]
+/// Ends and lengths along x and y, the distance, and a pair of numbers.
+struct AskRectangle<F>([F; 5], [F; 2]);
+
+impl<S: Isa> Kernel<S> for AskRectangle<S::F> {
+    type Output = [S::F; 3];
+    #[inline(always)]
+    fn run(self, _isa: S) -> [S::F; 3] {
+        let Self([x, w, y, h, z], u2) = self;
+        let seen = SphericalRectangle::new([x, x + w], [y, y + h], z);
+        let [s, t] = seen.sample_within(u2);
+        [seen.solid_angle(), s, t]
+    }
+}
+
+/// The solid angle, and a point as fractions of the edges. Out of line: in one piece with its kernel it takes minutes to compile.
+#[inline(never)]
+fn rectangle<F: Lanes>(a: [F; 5], u2: [F; 2]) -> [F; 3] {
+    a[0].isa().run(AskRectangle(a, u2))
+}
+
+/// A corner, the size, and a pair of numbers.
+struct AskTriangle<F>([F; 4], [F; 2]);
+
+impl<S: Isa> Kernel<S> for AskTriangle<S::F> {
+    type Output = [S::F; 4];
+    #[inline(always)]
+    fn run(self, _isa: S) -> [S::F; 4] {
+        let Self([x, y, z, s], u2) = self;
+        let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
+        let volume = z * (ways[1].x - x) * (ways[2].y - y);
+        let seen = SphericalTriangle::new(ways, volume);
+        let [a, b, c] = seen.sample(u2);
+        [seen.solid_angle(), a, b, c]
+    }
+}
+
+/// The solid angle, and the barycentric coordinates of a point; out of line, too.
+#[inline(never)]
+fn triangle<F: Lanes>(a: [F; 4], u2: [F; 2]) -> [F; 4] {
+    a[0].isa().run(AskTriangle(a, u2))
+}
+
 pub(crate) fn rows() -> Vec<Row> {
     vec![
         kernel!(
             "rectangle: solid angle",
             [end(), size(), end(), size(), distance()],
-            |x, w, y, h, z| [SphericalRectangle::new([x, x + w], [y, y + h], z).solid_angle()],
+            |x, w, y, h, z| [rectangle([x, w, y, h, z], [x * 0.0; 2])[0]],
             |t| Some(vec![Rectangle::new(t).solid_angle]),
             "2e-6, and the rounding of the ends",
             |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))
@@ -155,7 +197,8 @@ pub(crate) fn rows() -> Vec<Row> {
             "rectangle: point by solid angle, as fractions of the edges",
             [end(), size(), end(), size(), distance(), few_numbers(), few_numbers()],
             |x, w, y, h, z, u, v| {
-                SphericalRectangle::new([x, x + w], [y, y + h], z).sample_within([u, v])
+                let [_, s, t] = rectangle([x, w, y, h, z], [u, v]);
+                [s, t]
             },
             |t| {
                 let rectangle = Rectangle::new(t);
@@ -168,11 +211,7 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(
             "triangle: solid angle",
             [end(), end(), distance(), size()],
-            |x, y, z, s| {
-                let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
-                let volume = z * (ways[1].x - x) * (ways[2].y - y);
-                [SphericalTriangle::new(ways, volume).solid_angle()]
-            },
+            |x, y, z, s| [triangle([x, y, z, s], [x * 0.0; 2])[0]],
             |t| Some(vec![Triangle::new(t).solid_angle]),
             "2e-6",
             |_, s| 2e-6 * s
@@ -181,9 +220,8 @@ pub(crate) fn rows() -> Vec<Row> {
             "triangle: barycentric coordinates by solid angle",
             [end(), end(), distance(), size(), few_numbers(), few_numbers()],
             |x, y, z, s, u, v| {
-                let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
-                let volume = z * (ways[1].x - x) * (ways[2].y - y);
-                SphericalTriangle::new(ways, volume).sample([u, v])
+                let [_, a, b, c] = triangle([x, y, z, s], [u, v]);
+                [a, b, c]
             },
             |t| Triangle::new(t).at(&t[4], &t[5]),
             "1e-5, and the rounding of the corners over the size",
