@@ -15,8 +15,8 @@ use crate::bench::{self, Class};
 use crate::film::Aov;
 use crate::measure::Metric;
 use crate::scene::description::{
-    Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyWeighting, FuzzyWindow, Integrator,
-    LightChoice, Query, Sampler, View,
+    Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyRejection, FuzzyWeighting, FuzzyWindow,
+    Integrator, LightChoice, Query, Sampler, View,
 };
 
 /// An offline ray tracer for shiny things.
@@ -153,6 +153,9 @@ pub struct RenderArgs {
 
     /// Further outputs of the EXR file; `cryptomatte` stands for both of its kinds, and `gbuffer`, with `--glossy two-pass`, for what
     /// `specula fuzzy` reads
+    ///
+    /// `direct` is what came by two edges at most, `indirect` the rest of the picture. A filtered reflection (`--glossy two-pass`) is all indirect, also where
+    /// the mirrored ray ends on a light, which by rays within the lobe is direct.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
     pub aov: Vec<String>,
 
@@ -366,6 +369,14 @@ pub struct FuzzyArgs {
     /// What is made of pixels being samples of area and not of solid angle
     #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyCorrection::ALL, FuzzyCorrection::word))]
     pub correction: Option<String>,
+
+    /// Leave pixels whose window is below half a pixel as they are at once: true or false
+    #[arg(long, value_name = "BOOL")]
+    pub skip: Option<String>,
+
+    /// How what lies outside of the lobe is told
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyRejection::ALL, FuzzyRejection::word))]
+    pub rejection: Option<String>,
 
     /// Look weights up in a table: true or false
     #[arg(long, value_name = "BOOL")]

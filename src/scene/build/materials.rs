@@ -129,7 +129,7 @@ impl Builder {
             }
             Described::Glossy { exponent, reflectance, diffuse, .. } if self.jitters => {
                 // As sharp as the lobe straight on: angles double at a mirror.
-                let lobe = Jitter { reflectance: *reflectance, exponent: 4.0 * exponent + 3.0 };
+                let lobe = Jitter { reflectance: *reflectance, exponent: (4.0 * exponent + 3.0).min(1e9) };
                 Scattering::Jitter { lobe, base: self.texture(diffuse) }
             }
             Described::Glossy { exponent, reflectance, diffuse, below } => {
