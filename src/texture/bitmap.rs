@@ -185,11 +185,10 @@ impl Bitmap {
     #[must_use]
     pub fn constant(&self) -> [Option<f32>; 4] {
         let mut found = self.texel::<f32>(0).map(Some);
-        let texels = self.starts.get(1).copied().unwrap_or(u32::MAX);
-        // Exact: pictures of gray bytes are filled up to whole words only.
+        // The first level alone: the others are means of it.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes of pictures")]
-        let full = self.widths[0] as u32 * self.heights[0] as u32;
-        for index in 1..full.min(texels) {
+        let texels = self.widths[0] as u32 * self.heights[0] as u32;
+        for index in 1..texels {
             let texel = self.texel::<f32>(index);
             for (known, value) in found.iter_mut().zip(texel) {
                 #[expect(clippy::float_cmp, reason = "the same texel again")]
