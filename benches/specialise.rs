@@ -3,7 +3,8 @@
 //! `cargo bench --bench specialise -- [--record] [part of a scene's name]`; the record is what `specula plan` quotes.
 //!
 //! Contestants of a race are one scene, frozen for the same picture; `tests/specialise.rs` shows that it is the same. The word `memory`
-//! measures meshes of a million triangles instead, in processes of their own.
+//! measures meshes of a million triangles instead, in processes of their own; the word `duplicates` renders a mesh that is placed several
+//! times, as copies in their places and as instances, its building included.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its results")]
 
@@ -48,6 +49,7 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     match words.iter().map(String::as_str).find(|word| !word.starts_with('-')) {
         Some("memory") => return memory(),
+        Some("duplicates") => return duplicates(),
         Some("measure") => return measure(&words),
         _ => {}
     }
@@ -111,13 +113,18 @@ fn memory() -> std::result::Result<(), Box<dyn std::error::Error>> {
         image::Luma([(127.0 + 100.0 * wave) as u8])
     });
     picture.save(folder.path().join("heights.png"))?;
-    println!("bytes per triangle: of arrays, of the hierarchy with the backend's copies, and resident beside an empty scene");
+    println!(
+        "bytes per triangle: of arrays, of the hierarchy with the backend's copies, and resident beside an empty scene"
+    );
     let run = |normals: &str, kept: &str| -> std::result::Result<[f64; 4], Box<dyn std::error::Error>> {
         let words = ["measure", normals, kept, &folder.path().display().to_string()].map(str::to_owned);
         let output = Command::new(std::env::current_exe()?).args(words).output()?;
         let text = String::from_utf8(output.stdout)?;
-        let numbers: Vec<f64> = text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>()?;
-        numbers.try_into().map_err(|_| format!("{text:?}: {}", String::from_utf8_lossy(&output.stderr)).into())
+        let numbers: Vec<f64> =
+            text.split_whitespace().map(str::parse).collect::<std::result::Result<_, _>>()?;
+        numbers
+            .try_into()
+            .map_err(|_| format!("{text:?}: {}", String::from_utf8_lossy(&output.stderr)).into())
     };
     let [_, _, _, empty] = run("none", "needed")?;
     for (name, normals, kept) in KEPT {
@@ -147,4 +154,83 @@ fn measure(words: &[String]) -> std::result::Result<(), Box<dyn std::error::Erro
     let kibibytes: usize = resident.trim().trim_end_matches(" kB").parse()?;
     println!("{} {} {} {}", needs.primitives, needs.mesh_bytes, accel.bytes(), kibibytes * 1024);
     Ok(())
+}
+
+/// Placements of a ball of triangles: how many, and how far apart in its diameters.
+const HEAPS: [(u16, f64); 4] = [(2, 1.5), (8, 1.5), (64, 1.5), (64, 0.3)];
+
+/// A ball of triangles, placed several times: copies in their places, as shapes that name the same file become, against instances.
+fn duplicates() -> std::result::Result<(), Box<dyn std::error::Error>> {
+    let mut bench = Bench::new("duplicates").with_passes(PASSES);
+    let folder = tempfile::tempdir()?;
+    fs::write(folder.path().join("ball.obj"), ball(160, 320))?;
+    for (count, apart) in HEAPS {
+        let frozen = |is_instance: bool| -> std::result::Result<Scene, Box<dyn std::error::Error>> {
+            let path = folder.path().join(format!("{count}_{apart}_{is_instance}.toml"));
+            fs::write(&path, heap(count, apart, is_instance))?;
+            Ok(scene::build_for(&scene::load(&path, &[])?.description, &Wanted::default())?.scene)
+        };
+        let statistics = |scene: &Scene| {
+            let settings = Settings { threads: NonZeroUsize::new(1), ..Settings::default() };
+            render(scene, &settings, &Silent).expect("a picture").statistics
+        };
+        let mut race = Race::new(
+            format!("duplicates: {count} placed {apart} diameters apart"),
+            160 * 90 * 16,
+            "samples",
+        );
+        for (name, is_instance) in [("copies", false), ("instances", true)] {
+            let scene = frozen(is_instance)?;
+            let found = statistics(&scene);
+            let part = found.build.cpu.as_secs_f64() / found.render.cpu.as_secs_f64();
+            let bytes = found.hierarchy_bytes + Needs::of(&scene, &Wanted::default()).mesh_bytes;
+            let figures = vec![("bytes", Some(bytes as f64)), ("build_over_tracing", Some(part))];
+            race = race.with(name, move || statistics(&scene).counters.rays()).knowing(figures);
+        }
+        bench.run(race);
+    }
+    Ok(())
+}
+
+/// A ball of so many rings of so many quads, as OBJ.
+fn ball(rings: u32, around: u32) -> String {
+    let mut text = String::new();
+    for ring in 0..=rings {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(rings);
+        for step in 0..around {
+            let turn = std::f64::consts::TAU * f64::from(step) / f64::from(around);
+            let (x, y, z) = (polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin());
+            text += &format!("v {x:.6} {y:.6} {z:.6}\n");
+        }
+    }
+    for (ring, step) in (0..rings).flat_map(|ring| (0..around).map(move |step| (ring, step))) {
+        let at = |ring: u32, step: u32| ring * around + step % around + 1;
+        let [a, b, c, d] = [at(ring, step), at(ring, step + 1), at(ring + 1, step + 1), at(ring + 1, step)];
+        text += &format!("f {a} {b} {c} {d}\n");
+    }
+    text
+}
+
+/// Balls in a square under a white sky.
+fn heap(count: u16, apart: f64, is_instance: bool) -> String {
+    let side = f64::from(count).sqrt().ceil();
+    let far = side * apart * 2.0;
+    let mut text = format!(
+        "[camera]\nfrom = [0.0, {}, {}]\nat = [0.0, 0.0, 0.0]\n[film]\nwidth = 160\nheight = 90\n[render]\n\
+         integrator = \"path\"\nspp = 16\nmax_depth = 4\n[materials.clay]\ntype = \"diffuse\"\n[[lights]]\n\
+         type = \"environment\"\nradiance = 1.0\n",
+        far * 0.6 + 2.0,
+        far + 3.0
+    );
+    let mesh = "type = \"mesh\"\nfile = \"ball.obj\"\nmaterial = \"clay\"\n";
+    if is_instance {
+        text += &format!("[[shapes]]\nname = \"ball\"\nhidden = true\n{mesh}");
+    }
+    for i in 0..count {
+        let i = f64::from(i);
+        let [x, z] = [i % side, (i / side).floor()].map(|k| (k - (side - 1.0) * 0.5) * apart * 2.0);
+        let form = if is_instance { "type = \"instance\"\nof = \"ball\"\n" } else { mesh };
+        text += &format!("[[shapes]]\n{form}transform = [{{ translate = [{x:?}, 0.0, {z:?}] }}]\n");
+    }
+    text
 }

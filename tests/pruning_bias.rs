@@ -73,7 +73,9 @@ fn a_ball_lacks_what_is_predicted_over_depth_and_throughput() {
             let [predicted, measured, bound] = [predicted / n, measured / n, bound / n];
             #[expect(clippy::cast_precision_loss, reason = "a mean")]
             let rays = rays as f64 / n;
-            println!("| {interfaces} | {eps:e} | {predicted:.3e} | {measured:.3e} | {bound:.3e} | {rays:.1} |");
+            println!(
+                "| {interfaces} | {eps:e} | {predicted:.3e} | {measured:.3e} | {bound:.3e} | {rays:.1} |"
+            );
             // Rings whose ways carry just about the limit fall to either side: of a thousand, one or two.
             let allowed = 0.01 * predicted + 2e-6 + 2e-3 * eps;
             assert!((measured - predicted).abs() < allowed, "{interfaces} {eps}: {measured} for {predicted}");
@@ -100,7 +102,10 @@ fn one_ray_lacks_what_is_predicted_to_rounding() {
                 let deficit = 1.0 - f64::from(found.color.g);
                 let predicted = lost_in_ball(r, interfaces, eps);
                 let allowed = 4e-6 + 1e-3 * predicted;
-                assert!((deficit - predicted).abs() < allowed, "{angle} {interfaces} {eps}: {deficit} {predicted}");
+                assert!(
+                    (deficit - predicted).abs() < allowed,
+                    "{angle} {interfaces} {eps}: {deficit} {predicted}"
+                );
             }
         }
     }
@@ -128,7 +133,10 @@ fn mirrors_lack_what_is_predicted_over_depth_and_throughput() {
                 let predicted = lost_between_mirrors(k, depth, eps);
                 println!("| {k} | {depth} | {eps:e} | {predicted:.3e} | {measured:.3e} |");
                 let allowed = 1e-3 * predicted + 4e-6 * total;
-                assert!((measured - predicted).abs() < allowed, "{k} {depth} {eps}: {measured} for {predicted}");
+                assert!(
+                    (measured - predicted).abs() < allowed,
+                    "{k} {depth} {eps}: {measured} for {predicted}"
+                );
             }
         }
     }
