@@ -102,7 +102,7 @@ impl Soup {
             if height > 0.0 { longest / height } else { 0.0 }
         })?;
         let what = format!(
-            "{} of {} triangles {} needles, the worst {most:.0} times longer than high: their planes, and so normals and the starts of \
+            "{} of {} triangles {}, the worst {most:.0} times longer than high: their planes, and so normals and the starts of \
              rays, are known badly",
             count,
             self.count(),
