@@ -70,7 +70,7 @@ fn assert_close(what: &str, found: &Film, wanted: &Film) {
     let [width, height] = [wanted.width(), wanted.height()];
     let (mut off, mut sum, mut difference) = (0, 0.0_f64, 0.0_f64);
     for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
-        let [a, b] = [found.pixel(x, y), wanted.pixel(x, y)];
+        let [a, b] = [found.pixel(x, y), wanted.pixel(x, y)].map(|p| [p.r, p.g, p.b]);
         let apart = (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max);
         let size = (0..3).map(|i| b[i].abs()).fold(0.0, f32::max);
         off += u32::from(apart > 1e-3 * size + 1e-4);
