@@ -7,7 +7,6 @@ mod support;
 use specula::film::{Aov, Film, Layout};
 use specula::geometry::{Pose, Shape, World};
 use specula::material::Scattering;
-use specula::math::lanes::VARIABLE;
 use specula::render::{Settings, Silent, render};
 use specula::scene::needs::capability::{Capabilities, Capability};
 use specula::scene::{self, Description, Needs, Scene, Wanted};
@@ -37,11 +36,13 @@ const SCENES: [(&str, &[&str]); 8] = [
 
 /// What moves the last bits of hits or sums where it is switched on: rays are carried into another space, tested otherwise, or summed
 /// in another order.
-const TO_ROUNDING: [Capability; 7] = [
+const TO_ROUNDING: [Capability; 8] = [
     Capability::Instances,
     Capability::MovingPoses,
     Capability::MovingVertices,
     Capability::RobustTraversal,
+    // Frames about normals are made another way.
+    Capability::Anisotropy,
     Capability::Textures,
     Capability::GlassShadows,
     Capability::MovingCamera,
@@ -63,9 +64,9 @@ fn film(scene: &Scene) -> Film {
     render(scene, &settings, &Silent).unwrap_or_else(|error| panic!("{error}")).film
 }
 
-/// Fails unless pictures are the same to rounding: but for few pixels, on whose edges rays fall to the other side, and whose chains of
-/// mirrors and glass make much of a little, colours differ by less than a part in a thousand.
-fn assert_close(what: &str, found: &Film, wanted: &Film) {
+/// Why pictures are not the same to rounding, if they are not: but for few pixels, on whose edges rays fall to the other side, and whose
+/// chains of mirrors and glass make much of a little, colours differ by less than a part in a thousand.
+fn apart(found: &Film, wanted: &Film) -> Option<String> {
     let (found, wanted) = (found.image(), wanted.image());
     let [width, height] = [wanted.width(), wanted.height()];
     let (mut off, mut sum, mut difference) = (0, 0.0_f64, 0.0_f64);
@@ -77,8 +78,15 @@ fn assert_close(what: &str, found: &Film, wanted: &Film) {
         sum += f64::from(b[0] + b[1] + b[2]);
         difference += f64::from(a[0] + a[1] + a[2] - b[0] - b[1] - b[2]);
     }
-    assert!(off * 20 <= width * height, "{what}: {off} of {} pixels differ", width * height);
-    assert!(difference.abs() <= 5e-3 * sum, "{what}: brighter by {difference} of {sum}");
+    let is_same = off * 20 <= width * height && difference.abs() <= 5e-3 * sum;
+    (!is_same)
+        .then(|| format!("{off} of {} pixels differ, brighter by {difference} of {sum}", width * height))
+}
+
+/// How many values differ in any bit.
+fn differing(found: &Film, wanted: &Film) -> usize {
+    let (found, wanted) = (bits(found), bits(wanted));
+    found.iter().flatten().zip(wanted.iter().flatten()).filter(|(a, b)| a != b).count()
 }
 
 #[test]
@@ -87,30 +95,32 @@ fn leaving_things_out_changes_no_bit() {
         let description = described(name, overrides);
         let plain = scene::build(&description).unwrap_or_else(|error| panic!("{error}")).scene;
         let specialised = frozen(&description, &Wanted::default());
-        assert_eq!(bits(&film(&specialised)), bits(&film(&plain)), "{name}");
+        assert_eq!(differing(&film(&specialised), &film(&plain)), 0, "{name}");
     }
 }
 
 #[test]
 fn whatever_is_switched_on_the_picture_stays() {
+    let mut wrong = Vec::new();
     for (name, overrides) in SCENES {
         let description = described(name, overrides);
         let plain = frozen(&description, &Wanted::default());
         let wanted = film(&plain);
         for capability in Capabilities::forceable().iter().filter(|it| !plain.requires(*it)) {
             let forced = Capabilities::NONE.with(capability);
-            let scene = frozen(&description, &Wanted { forced, ..Wanted::default() });
-            let found = film(&scene);
+            let found = film(&frozen(&description, &Wanted { forced, ..Wanted::default() }));
             let what = format!("{name} with {}", capability.name());
+            let differing = differing(&found, &wanted);
             if TO_ROUNDING.contains(&capability) {
-                assert_close(&what, &found, &wanted);
-            } else {
-                assert_eq!(bits(&found), bits(&wanted), "{what}");
+                wrong.extend(apart(&found, &wanted).map(|why| format!("{what}: {why}")));
+            } else if differing > 0 {
+                wrong.push(format!("{what}: {differing} values differ"));
             }
         }
-        let everything = frozen(&description, &Wanted::default().unspecialised());
-        assert_close(&format!("{name} with everything"), &film(&everything), &wanted);
+        let everything = film(&frozen(&description, &Wanted::default().unspecialised()));
+        wrong.extend(apart(&everything, &wanted).map(|why| format!("{name} with everything: {why}")));
     }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
 #[test]
@@ -122,7 +132,7 @@ fn what_is_forced_one_lane_at_a_time_stays_too() {
     let forced: Capabilities =
         Capabilities::forceable().iter().filter(|capability| !TO_ROUNDING.contains(capability)).collect();
     let found = film(&frozen(&description, &Wanted { forced, ..Wanted::default() }));
-    assert_eq!(bits(&found), bits(&wanted), "without {VARIABLE}");
+    assert_eq!(differing(&found, &wanted), 0, "values differ");
 }
 
 /// What is there of a capability, by another look than that of the list.
