@@ -106,7 +106,7 @@ impl Soup {
              rays, are known badly",
             count,
             self.count(),
-            if count == 1 { "is" } else { "are" },
+            if count == 1 { "is a needle" } else { "are needles" },
         );
         Some(
             at(self.place(worst, origins), what)
