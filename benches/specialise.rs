@@ -110,6 +110,7 @@ fn memory() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let folder = tempfile::tempdir()?;
     let picture = image::GrayImage::from_fn(HEIGHTS, HEIGHTS, |x, y| {
         let wave = (x as f32 * 0.05).sin() * (y as f32 * 0.03).cos();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 27 to 227")]
         image::Luma([(127.0 + 100.0 * wave) as u8])
     });
     picture.save(folder.path().join("heights.png"))?;

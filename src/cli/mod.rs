@@ -8,6 +8,7 @@ mod args;
 mod bench;
 mod diff;
 mod documents;
+mod farm;
 mod frozen;
 mod fuzzy;
 mod interrupt;
@@ -29,8 +30,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
-    MergeArgs, PlanArgs, RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine, Farmed,
+    FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs, SlurmArgs,
 };
 
 use crate::error::{Error, Result};
@@ -50,6 +51,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Farm(args) => farm::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),

@@ -35,7 +35,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let scene = &frozen.scene;
     interrupt.check()?;
 
-    let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
+    let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, (scene, about.clone())));
+    let kept = kept.transpose()?;
     let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);

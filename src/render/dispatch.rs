@@ -1,14 +1,13 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
-use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError, SceneOptions};
+use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError, SceneOptions};
 use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
-use crate::math::lanes::{Level, Scalar};
-use crate::render::query::{level, query};
+use crate::render::query::{query, shading};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
@@ -62,7 +61,7 @@ pub fn render_kept(
     progress: &dyn Progress,
     kept: Kept<'_>,
 ) -> Result<Rendered> {
-    let mut plan = plan(scene, settings, progress)?;
+    let mut plan = plan(scene, settings, (progress, kept.keeper.is_some() || kept.begin.is_some()))?;
     plan.keeper = kept.keeper;
     if let Some((checkpoint, place)) = kept.begin {
         let State { film, course, .. } = plan.state();
@@ -96,6 +95,20 @@ pub fn render_kept(
     Ok(rendered)
 }
 
+/// What finds hits for a scene, as far as pixels depend on it: Embree's kernels of other versions and instruction sets meet edges elsewhere,
+/// hierarchies of our own give the same answers on every machine.
+pub fn backend(scene: &Scene) -> Result<String> {
+    Ok(match scene.render.backend {
+        description::Backend::Embree => {
+            let device = Device::new(Config { threads: NonZeroU32::new(1), ..Config::from_env() });
+            let device =
+                device.map_err(|error| Error::Backend { backend: "embree", what: error.to_string() })?;
+            format!("embree {}, {}", device.version(), device.isa().map_or("unknown", |isa| isa.name()))
+        }
+        other => other.word().to_owned(),
+    })
+}
+
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
 pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
     let spp = most(scene, settings);
@@ -118,15 +131,19 @@ pub fn render_on<A: Accel>(
     accel: &A,
     progress: &dyn Progress,
 ) -> Result<Rendered> {
-    let plan = plan(scene, settings, progress)?;
+    let plan = plan(scene, settings, (progress, false))?;
     let (threads, pool) = pool(settings)?;
     let mut rendered = pool.install(|| with_accel(&plan, accel))?;
     rendered.statistics.threads = threads;
     Ok(rendered)
 }
 
-fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -> Result<Plan<'a>> {
-    two_pass::check(scene, settings)?;
+fn plan<'a>(
+    scene: &'a Scene,
+    settings: &Settings,
+    (progress, is_kept): (&'a dyn Progress, bool),
+) -> Result<Plan<'a>> {
+    two_pass::check(scene, settings, is_kept)?;
     let seed = scene.render.seed;
     let most = most(scene, settings);
     let samples = samples(settings, most)?;
@@ -204,7 +221,7 @@ fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
             with_integrator(plan, accel, &tree, way)
         }
         description::Integrator::Path => {
-            let level = if way == Query::Single { Level::Scalar(Scalar) } else { level() };
+            let level = shading(plan.scene);
             let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet))
                 .splitting(plan.layout.splits());
             let size = if way == Query::Single { 1 } else { BATCH };

@@ -1,10 +1,14 @@
 //! Pictures on surfaces, each file read once.
+//!
+//! A file that is missing or cannot be read is warned of, with the place that names it, and the surface is as if the key were not there: flat,
+//! whole, polished, dark. Only its colour is a gray of its own, lest the lack go unseen.
 
 use crate::error::{Error, Problem};
 use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
+use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -17,8 +21,8 @@ pub(super) struct Textures {
     known: HashMap<(PathBuf, Option<Space>), Option<Arc<Bitmap>>>,
     /// In the order met.
     bitmaps: Vec<Arc<Bitmap>>,
-    /// Whether files that cannot be read are warned of instead of refused: those that MTL files name.
-    pub(super) lenient: bool,
+    /// Whether those that are asked for are named by an MTL file, whose keywords are used loosely.
+    pub(super) of_mtl: bool,
 }
 
 impl Textures {
@@ -120,7 +124,7 @@ impl Builder {
         let [r, g, b, _] = map.bitmap.mean();
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
-            if self.textures.lenient {
+            if self.textures.of_mtl {
                 return Some(Relief::Normals(NormalMap { map, strength: 1.0, flip_y: false }));
             }
             let what = format!("`{}` looks like a picture of normals, not of heights", file.value.display());
@@ -171,19 +175,17 @@ impl Builder {
     }
 
     fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
-        let raster = match read_raster(&file.value) {
+        let read = match files::absence(&file.value) {
+            Some((what, remedy)) => Err((what, format!("{remedy}; {without}"))),
+            None => read_raster(&file.value).map_err(|error| match error {
+                Error::Input(problems) => (problems.to_string(), without.to_owned()),
+                other => (other.to_string(), without.to_owned()),
+            }),
+        };
+        let raster = match read {
             Ok(raster) => raster,
-            Err(error) => {
-                let what = match error {
-                    Error::Input(problems) => problems.to_string(),
-                    other => other.to_string(),
-                };
-                let problem = Problem::at(file.place.clone(), what);
-                if self.textures.lenient {
-                    self.warnings.push(problem.remedy(without));
-                } else {
-                    self.problems.push(problem);
-                }
+            Err((what, remedy)) => {
+                self.warnings.push(Problem::at(file.place.clone(), what).remedy(remedy));
                 return None;
             }
         };
