@@ -56,8 +56,10 @@ fn main() -> std::result::Result<(), Box<dyn std::error::Error>> {
     let mut bench = Bench::new("specialise").with_passes(PASSES);
     // Under `cargo test --benches` it only shows that it runs.
     let scale = if words.iter().any(|word| word == "--bench") { 1 } else { 8 };
-    for (name, integrator, spp) in SCENES.into_iter().filter(|(name, ..)| bench.wants(name)) {
-        race(&mut bench, name, integrator, (spp / scale).max(1))?;
+    for (name, integrator, spp) in SCENES {
+        if bench.wants(name) {
+            race(&mut bench, name, integrator, (spp / scale).max(1))?;
+        }
     }
     bench.finish()?;
     Ok(())
