@@ -18,6 +18,7 @@ use crate::scene::description::{
     Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyRejection, FuzzyWeighting, FuzzyWindow,
     Integrator, LightChoice, Query, Sampler, View,
 };
+use crate::scene::needs::capability::{Capabilities, Capability};
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -201,6 +202,13 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub stats: Option<PathBuf>,
 
+    /// Switch on what the scene does not need, and keep what has no effect: the same picture, slower, for comparing
+    ///
+    /// With names, only these: `plan` lists them. `pruning` stands for keeping what has no effect.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', num_args = 0.., require_equals = true,
+        value_parser = Words(specialised()))]
+    pub no_specialise: Option<Vec<String>>,
+
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
@@ -220,6 +228,19 @@ pub struct PlanArgs {
     /// What finds hits
     #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
     pub backend: Option<String>,
+
+    /// Further outputs of the EXR file, which ask for more
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
+    pub aov: Vec<String>,
+
+    /// Plan for `render` with this flag
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    pub target_error: Option<String>,
+
+    /// Plan for `render` with this flag
+    #[arg(long, value_name = "NAME", value_delimiter = ',', num_args = 0.., require_equals = true,
+        value_parser = Words(specialised()))]
+    pub no_specialise: Option<Vec<String>>,
 
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
@@ -536,6 +557,14 @@ pub(super) const FIRST_PASS: &str = "gbuffer";
 /// What `--aov` knows.
 pub(super) fn further_outputs() -> Vec<&'static str> {
     Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE, FIRST_PASS]).collect()
+}
+
+/// Keeping what has no effect, beside capabilities that can be switched on.
+pub(super) const PRUNING: &str = "pruning";
+
+/// What can be switched on though a scene does not need it.
+pub(super) fn specialised() -> Vec<&'static str> {
+    Capabilities::forceable().iter().map(Capability::word).chain([PRUNING]).collect()
 }
 
 /// Any string; the words that make sense are shown in help and completed by shells. Wrong ones are left to the check of

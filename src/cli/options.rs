@@ -14,14 +14,18 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::args::{CRYPTOMATTE, DiffArgs, FIRST_PASS, RenderArgs, further_outputs};
+use super::args::{
+    CRYPTOMATTE, DiffArgs, FIRST_PASS, PRUNING, PlanArgs, RenderArgs, further_outputs, specialised,
+};
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
 use crate::render::{Limits, Slice};
+use crate::scene::Wanted;
 use crate::scene::load::words::suggest;
+use crate::scene::needs::capability::{Capabilities, Capability};
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -43,8 +47,52 @@ pub(super) struct RenderOptions {
     pub(super) first_pass: bool,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
+    pub(super) specialise: Specialise,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
+}
+
+/// What is done beside what a scene needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Specialise {
+    /// What is switched on.
+    pub(super) forced: Capabilities,
+    /// Whether what has no effect is kept.
+    pub(super) keeps: bool,
+}
+
+impl Specialise {
+    /// What the words of `--no-specialise` mean: everything where there are none.
+    fn new(words: Option<&[String]>, problems: &mut Problems) -> Self {
+        let Some(words) = words else { return Self::default() };
+        if words.is_empty() {
+            return Self { forced: Capabilities::forceable(), keeps: true };
+        }
+        let known = specialised();
+        for word in words.iter().filter(|word| !known.contains(&word.as_str())) {
+            let what = format!("`{word}` is nothing to switch on");
+            problems.push(on_command_line(what).remedy(suggest(word, &known)));
+        }
+        let is_named = |capability: &Capability| words.iter().any(|word| word == capability.word());
+        Self {
+            forced: Capabilities::forceable().iter().filter(is_named).collect(),
+            keeps: words.iter().any(|word| word == PRUNING),
+        }
+    }
+
+    /// A picture with these outputs, for which samples are taken where they bring most or not.
+    fn wanted(self, layout: Layout, adaptive: bool) -> Wanted {
+        Wanted { adaptive, forced: self.forced, prunes: !self.keeps, ..Wanted::picture(layout) }
+    }
+}
+
+/// What `plan` is to plan for.
+pub(super) fn planned(args: &PlanArgs) -> Result<Wanted> {
+    let mut problems = Problems::default();
+    let adaptive = args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)).is_some();
+    let specialise = Specialise::new(args.no_specialise.as_deref(), &mut problems);
+    let wanted = specialise.wanted(layout(&args.aov, &mut problems), adaptive);
+    problems.into_result(wanted)
 }
 
 /// Where copies of a picture under way are kept.
@@ -99,10 +147,16 @@ impl RenderOptions {
                 time: args.time_limit.as_deref().and_then(|text| time("time-limit", text, &mut problems)),
                 error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
             },
+            specialise: Specialise::new(args.no_specialise.as_deref(), &mut problems),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
         problems.into_result(options)
+    }
+
+    /// What the scene is to be frozen for.
+    pub(super) fn wanted(&self) -> Wanted {
+        self.specialise.wanted(self.layout.clone(), self.limits.error.is_some())
     }
 }
 

@@ -89,7 +89,7 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
 
 /// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
 fn load(options: &RenderOptions) -> Result<(Frozen, Value)> {
-    let frozen = Frozen::told(&options.scene, &options.overrides)?;
+    let frozen = Frozen::told(&options.scene, &options.overrides, options.wanted())?;
     let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
     let about = if is_kept { kept::about(options, &frozen)? } else { Value::Null };
     Ok((frozen, about))

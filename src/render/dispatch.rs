@@ -1,7 +1,7 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
-use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError};
+use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError, SceneOptions};
 use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
@@ -16,6 +16,7 @@ use crate::render::{
 };
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
+use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, description};
 use std::fmt;
 use std::io::Read;
@@ -180,8 +181,10 @@ fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
 
 fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-    let options =
-        BuildOptions { device: Config { threads, ..Config::from_env() }, ..BuildOptions::default() };
+    let options = BuildOptions {
+        device: Config { threads, ..Config::from_env() },
+        scene: SceneOptions { robust: scene.uses(Capability::RobustTraversal), ..SceneOptions::default() },
+    };
     let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
         EmbreeError::Cancelled => Error::Interrupted,
