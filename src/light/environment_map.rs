@@ -53,6 +53,12 @@ pub(super) struct FromMap<F: Lanes> {
 }
 
 impl EnvironmentMap {
+    /// Bytes of memory that it takes, about: corners, and the tables to draw from.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.corners[..]) + size_of_val(&self.sines[..]) + self.corners.len() * 5
+    }
+
     /// From a picture, a factor on its values and a rotation about +Y in radians, counter-clockwise seen from above. Fails
     /// if the picture is black or holds negative or non-finite values.
     pub fn new(image: Image, scale: f32, rotation: f32) -> Result<Self, TableError> {

@@ -5,6 +5,7 @@ use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
 use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
+use crate::geometry::World;
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
 use crate::math::lanes::{Level, Scalar};
@@ -22,7 +23,7 @@ use std::fmt;
 use std::io::Read;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::{ControlFlow, Range};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Instant;
 
@@ -61,38 +62,122 @@ pub fn render_kept(
     progress: &dyn Progress,
     kept: Kept<'_>,
 ) -> Result<Rendered> {
-    let mut plan = plan(scene, settings, progress)?;
-    plan.keeper = kept.keeper;
-    if let Some((checkpoint, place)) = kept.begin {
-        let State { film, course, .. } = plan.state();
-        let tiles = tiles::tiles(plan.window);
-        let state = checkpoint.state((film, course), &tiles, &plan.samples);
-        let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
-        plan.begin = Mutex::new(Some(state));
+    Studio::new(settings.threads)?.render(scene, settings, progress, kept)
+}
+
+/// Threads that render one picture after the other, and the hierarchy of the last one, which serves on while the world is the same.
+#[derive(Debug)]
+pub struct Studio {
+    threads: usize,
+    pool: rayon::ThreadPool,
+    last: Option<(Arc<World>, Hierarchies)>,
+}
+
+/// What finds hits, by what a scene may choose.
+#[derive(Debug)]
+enum Hierarchies {
+    Embree(EmbreeAccel),
+    Binary(BvhAccel<Binary>),
+    Wide(BvhAccel<Wide>),
+    Brute(Brute),
+}
+
+impl Studio {
+    /// So many threads, or all processors.
+    pub fn new(threads: Option<NonZeroUsize>) -> Result<Self> {
+        let (threads, pool) = pool(threads)?;
+        Ok(Self { threads, pool, last: None })
     }
-    let (threads, pool) = pool(settings)?;
-    let (mut rendered, build) = match scene.render.backend {
-        description::Backend::Embree => {
-            let (accel, build) = Phase::of(|| embree(scene, threads, progress));
-            let accel = accel?;
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            rendered.statistics.backend = format!("embree {}", accel.device().version());
-            rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
-            (rendered, build)
+
+    /// Gives up the hierarchy of the last picture, with its world.
+    pub fn clear(&mut self) {
+        self.last = None;
+    }
+
+    /// Renders as [`render_kept`] does, on the threads that are there, whatever the settings say of them.
+    pub fn render(
+        &mut self,
+        scene: &Scene,
+        settings: &Settings,
+        progress: &dyn Progress,
+        kept: Kept<'_>,
+    ) -> Result<Rendered> {
+        let mut plan = plan(scene, settings, progress)?;
+        plan.keeper = kept.keeper;
+        if let Some((checkpoint, place)) = kept.begin {
+            let State { film, course, .. } = plan.state();
+            let tiles = tiles::tiles(plan.window);
+            let state = checkpoint.state((film, course), &tiles, &plan.samples);
+            let state =
+                state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
+            plan.begin = Mutex::new(Some(state));
         }
-        description::Backend::Bvh2 => hierarchy::<Binary>(&plan, &pool)?,
-        description::Backend::CwBvh => hierarchy::<Wide>(&plan, &pool)?,
-        description::Backend::Brute => {
-            let (accel, build) = Phase::of(|| Brute::new(scene.world.clone()));
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            "brute".clone_into(&mut rendered.statistics.backend);
-            "scalar".clone_into(&mut rendered.statistics.isa);
-            (rendered, build)
-        }
-    };
-    rendered.statistics.build = build;
-    rendered.statistics.threads = threads;
-    Ok(rendered)
+        let backend = scene.render.backend;
+        let is_same =
+            |(world, last): &mut (_, Hierarchies)| Arc::ptr_eq(world, &scene.world) && last.is_of(backend);
+        let (last, build) = match self.last.take_if(is_same) {
+            Some((_, last)) => (last, Phase::default()),
+            None => {
+                // First the old one goes: both need not fit into memory.
+                self.last = None;
+                let (built, build) = Phase::of(|| self.build(scene, progress));
+                (built?, build)
+            }
+        };
+        let rendered = last.trace(&plan, &self.pool);
+        self.last = Some((scene.world.clone(), last));
+        let mut rendered = rendered?;
+        rendered.statistics.build = build;
+        rendered.statistics.threads = self.threads;
+        Ok(rendered)
+    }
+
+    /// The hierarchy of a world, built on the threads that then trace.
+    fn build(&self, scene: &Scene, progress: &dyn Progress) -> Result<Hierarchies> {
+        let world = &scene.world;
+        Ok(match scene.render.backend {
+            description::Backend::Embree => Hierarchies::Embree(embree(scene, self.threads, progress)?),
+            description::Backend::Bvh2 => Hierarchies::Binary(hierarchy(world, &self.pool, progress)?),
+            description::Backend::CwBvh => Hierarchies::Wide(hierarchy(world, &self.pool, progress)?),
+            description::Backend::Brute => Hierarchies::Brute(Brute::new(world.clone())),
+        })
+    }
+}
+
+impl Hierarchies {
+    fn is_of(&self, backend: description::Backend) -> bool {
+        let own = match self {
+            Self::Embree(_) => description::Backend::Embree,
+            Self::Binary(_) => description::Backend::Bvh2,
+            Self::Wide(_) => description::Backend::CwBvh,
+            Self::Brute(_) => description::Backend::Brute,
+        };
+        own == backend
+    }
+
+    /// Takes all samples.
+    fn trace(&self, plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<Rendered> {
+        let (traced, backend, isa) = match self {
+            Self::Embree(accel) => {
+                let isa = accel.device().isa().map_or("unknown", |isa| isa.name());
+                let backend = format!("embree {}", accel.device().version());
+                (pool.install(|| with_accel(plan, accel)), backend, isa)
+            }
+            Self::Binary(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
+            Self::Wide(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
+            Self::Brute(accel) => {
+                (pool.install(|| with_accel(plan, accel)), "brute".to_owned(), "scalar")
+            }
+        };
+        let mut rendered = traced?;
+        rendered.statistics.backend = backend;
+        isa.clone_into(&mut rendered.statistics.isa);
+        Ok(rendered)
+    }
+}
+
+fn named<H: Hierarchy>(_: &BvhAccel<H>) -> String {
+    format!("{} (obvhs {})", H::NAME, bvh::VERSION)
 }
 
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
@@ -118,7 +203,7 @@ pub fn render_on<A: Accel>(
     progress: &dyn Progress,
 ) -> Result<Rendered> {
     let plan = plan(scene, settings, progress)?;
-    let (threads, pool) = pool(settings)?;
+    let (threads, pool) = pool(settings.threads)?;
     let mut rendered = pool.install(|| with_accel(&plan, accel))?;
     rendered.statistics.threads = threads;
     Ok(rendered)
@@ -150,9 +235,8 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
 }
 
 /// Threads that render, and how many.
-fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
-    let threads =
-        settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
+    let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("render {i}"))
@@ -172,18 +256,15 @@ fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<Embr
     })
 }
 
-/// Builds a hierarchy on the threads that then trace.
-fn hierarchy<H: Hierarchy>(plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<(Rendered, Phase)> {
-    let go_on =
-        |_| if plan.progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let (accel, build) = Phase::of(|| {
-        pool.install(|| BvhAccel::<H>::build_with(&plan.scene.world, &Options::default(), &go_on))
-    });
-    let accel = accel.ok_or(Error::Interrupted)?;
-    let mut rendered = pool.install(|| with_accel(plan, &accel))?;
-    rendered.statistics.backend = format!("{} (obvhs {})", H::NAME, bvh::VERSION);
-    accel.isa().clone_into(&mut rendered.statistics.isa);
-    Ok((rendered, build))
+/// A hierarchy built on these threads.
+fn hierarchy<H: Hierarchy>(
+    world: &Arc<World>,
+    pool: &rayon::ThreadPool,
+    progress: &dyn Progress,
+) -> Result<BvhAccel<H>> {
+    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let accel = pool.install(|| BvhAccel::<H>::build_with(world, &Options::default(), &go_on));
+    accel.ok_or(Error::Interrupted)
 }
 
 fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {

@@ -23,7 +23,7 @@ mod state;
 mod tiles;
 mod two_pass;
 
-pub use dispatch::{Begin, Kept, MOST, outline, render, render_kept, render_on};
+pub use dispatch::{Begin, Kept, MOST, Studio, outline, render, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};

@@ -1,7 +1,7 @@
 //! What a picture is of: the description and all files that it is made of.
 
 use crate::error::{Error, Result};
-use crate::scene::Description;
+use crate::scene::{Description, Library};
 use crate::scene::fingerprint::related;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
@@ -17,16 +17,28 @@ use xxhash_rust::xxh3::Xxh3;
 ///
 /// Fails if a file cannot be read.
 pub fn identity(description: &Description, folder: &Path, more: &[PathBuf]) -> Result<Value> {
-    let scene = related(description, folder);
+    let files = digest_of_files(description, folder, more, &Library::default())?;
+    Ok(json!({ "scene": related(description, folder), "files": files }))
+}
+
+/// The part of [`identity`] that is about files, with digits that a library has already.
+///
+/// Fails if a file cannot be read.
+pub fn digest_of_files(
+    description: &Description,
+    folder: &Path,
+    more: &[PathBuf],
+    library: &Library,
+) -> Result<Map<String, Value>> {
     let mut paths: BTreeSet<PathBuf> = more.iter().cloned().collect();
     collect(&description.to_json(), &mut paths);
     let folder = full(folder);
     let paths: BTreeSet<PathBuf> = paths.iter().map(|path| full(path)).collect();
     let mut files = Map::new();
     for path in &paths {
-        files.insert(seen(path, &folder), digits(path)?.into());
+        files.insert(seen(path, &folder), library.digits(path)?.into());
     }
-    Ok(json!({ "scene": scene, "files": files }))
+    Ok(files)
 }
 
 /// From the root, without links where it is there.
@@ -62,7 +74,7 @@ fn collect(json: &Value, into: &mut BTreeSet<PathBuf>) {
 }
 
 /// Of what a file holds.
-fn digits(path: &Path) -> Result<String> {
+pub(super) fn digits(path: &Path) -> Result<String> {
     let failed = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
     let mut file = match File::open(path) {
         Ok(file) => file,

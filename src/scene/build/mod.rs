@@ -4,6 +4,7 @@
 //! What the scene does not need is left out: shapes that stand still in one place, if only while the shutter is open, are
 //! moved there once instead of being instanced, lights without power are dropped, shadow rays look for glass only where there is some.
 
+mod again;
 mod camera;
 mod cut_outs;
 mod forms;
@@ -17,6 +18,8 @@ mod surfaces;
 mod textures;
 mod way;
 
+pub use again::retake;
+
 use crate::bsdf::FresnelModel;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::Names;
@@ -26,6 +29,7 @@ use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
 use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
+use crate::scene::library::Library;
 use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
@@ -49,19 +53,24 @@ pub struct Built {
 
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
+    build_from(description, &Arc::default())
+}
+
+/// The same, with what a library has of its files.
+pub fn build_from(description: &Description, library: &Arc<Library>) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
-    let mut builder = Builder { shutter, origin, fresnel, jitters, ..Builder::default() };
+    let library = library.clone();
+    let mut builder = Builder { library, shutter, origin, fresnel, jitters, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
     builder.cut_holes();
     let film = description.film.clone();
     let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
-    let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
-    let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
+    let glass_shadows = glass_shadows(description, &builder.materials);
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let scene = Scene {
         world: Arc::new(builder.world),
@@ -80,9 +89,16 @@ pub fn build(description: &Description) -> Result<Built> {
     builder.problems.into_result(Built { scene, origins: builder.origins, files, warnings: builder.warnings })
 }
 
+/// How light passes through glass towards shadow rays, where there is any.
+fn glass_shadows(description: &Description, materials: &[Material]) -> GlassShadows {
+    let has_glass = materials.iter().any(|material| material.scattering.is_clear());
+    if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque }
+}
+
 /// A scene under way.
 #[derive(Debug, Default)]
 struct Builder {
+    library: Arc<Library>,
     shutter: Shutter,
     origin: Origin,
     world: World,

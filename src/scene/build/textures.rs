@@ -5,6 +5,7 @@ use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
+use crate::scene::library::{self, Made};
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -154,20 +155,29 @@ impl Builder {
         }
         let read = self.read(file, space, without).map(|bitmap| {
             // The same may have been met with its space written out, or left to the file.
-            let same = self.textures.bitmaps.iter().find(|known| ***known == bitmap).cloned();
+            let same = self.textures.bitmaps.iter().find(|known| **known == bitmap).cloned();
             same.unwrap_or_else(|| {
-                let new = Arc::new(bitmap);
-                self.textures.bitmaps.push(new.clone());
-                new
+                self.textures.bitmaps.push(bitmap.clone());
+                bitmap
             })
         });
         self.textures.known.insert(key, read.clone());
         read
     }
 
-    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
-        let raster = match read_raster(&file.value) {
-            Ok(raster) => raster,
+    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Arc<Bitmap>> {
+        let read = self.library.clone().thing(&file.value, library::Form::Bitmap(space), || {
+            let raster = read_raster(&file.value)?;
+            let own = if raster.encoded { Space::Srgb } else { Space::Linear };
+            let bitmap = Bitmap::new(&raster, space.unwrap_or(own));
+            Ok(Made { bytes: bitmap.bytes(), thing: (Arc::new(bitmap), raster.warnings), more: vec![] })
+        });
+        match read {
+            Ok(read) => {
+                let (bitmap, warnings) = &*read;
+                self.warnings.extend(warnings.iter().cloned());
+                Some(bitmap.clone())
+            }
             Err(error) => {
                 let what = match error {
                     Error::Input(problems) => problems.to_string(),
@@ -179,12 +189,9 @@ impl Builder {
                 } else {
                     self.problems.push(problem);
                 }
-                return None;
+                None
             }
-        };
-        self.warnings.extend(raster.warnings.iter().cloned());
-        let own = if raster.encoded { Space::Srgb } else { Space::Linear };
-        Some(Bitmap::new(&raster, space.unwrap_or(own)))
+        }
     }
 }
 
