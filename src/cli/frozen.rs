@@ -1,12 +1,13 @@
 //! Scenes as commands take them: read and frozen, with what there is to tell of them.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
-use crate::scene::{self, Built, Description, Loaded, Needs, Scene};
+use crate::scene::{self, Built, Description, Library, Loaded, Needs, Scene};
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub(super) struct Frozen {
     pub(super) description: Description,
     /// Files that are named by files of the scene.
     pub(super) files: Vec<PathBuf>,
+    /// The frame of a sequence, and when it begins in seconds.
+    pub(super) frame: Option<(i32, f64)>,
     /// Where each placement was described.
     origins: Vec<Place>,
 }
@@ -30,12 +33,34 @@ impl Frozen {
     /// The scene of a file, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
     pub(super) fn read(path: &Path, overrides: &[String]) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
-        let Loaded { description, mut warnings } = scene::load(path, overrides)?;
+        Self::of(scene::load(path, overrides)?, path, None, &Arc::default())
+    }
+
+    /// The scene of a description, or a frame of it, with what a library has of its files.
+    pub(super) fn of(
+        loaded: Loaded,
+        path: &Path,
+        frame: Option<i32>,
+        library: &Arc<Library>,
+    ) -> Result<Self> {
+        let Loaded { description, mut warnings } = loaded;
+        let (description, frame) = at_frame(description, frame);
         let Built { scene, origins, files, warnings: more } =
-            scene::build(&description).inspect_err(|_| log::warn(&warnings))?;
+            scene::build_from(&description, library).inspect_err(|_| log::warn(&warnings))?;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
-        Ok(Self { scene, path: path.to_owned(), warnings, hash, description, files, origins })
+        Ok(Self { scene, path: path.to_owned(), warnings, hash, description, files, frame, origins })
+    }
+
+    /// Becomes another frame of the same scene, if nothing but the camera moves and the files are the same; else says that it cannot.
+    pub(super) fn retake(&mut self, description: &Description, frame: Option<i32>) -> bool {
+        let (description, frame) = at_frame(description.clone(), frame);
+        if !scene::retake(&mut self.scene, &self.description, &description) {
+            return false;
+        }
+        self.hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        (self.description, self.frame) = (description, frame);
+        true
     }
 
     /// The same, with all that was odd logged.
@@ -52,4 +77,16 @@ impl Frozen {
     pub(super) fn plan(&self) -> Value {
         plan::to_json(self, &self.needs())
     }
+}
+
+/// The description at a frame, and when that begins.
+pub(super) fn at_frame(
+    mut description: Description,
+    frame: Option<i32>,
+) -> (Description, Option<(i32, f64)>) {
+    let frame = frame.map(|frame| (frame, description.camera.frame_s(frame)));
+    if let Some((frame, _)) = frame {
+        description.camera.value = description.camera.value.at_frame(frame);
+    }
+    (description, frame)
 }

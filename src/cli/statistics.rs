@@ -78,6 +78,9 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
+    if let Some((frame, time_s)) = frozen.frame {
+        entries.extend([("frame", frame.to_string()), ("frame_time_s", time_s.to_string())]);
+    }
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
@@ -116,6 +119,8 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "version": env!("CARGO_PKG_VERSION"),
         "scene": options.scene.display().to_string(),
         "scene_hash": frozen.hash,
+        "frame": frozen.frame.map(|(frame, _)| frame),
+        "frame_time_s": frozen.frame.map(|(_, time_s)| time_s),
         "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
         "integrator": scene.render.integrator.word(),
         "backend": statistics.backend,
@@ -223,13 +228,14 @@ pub(super) fn replay(options: &RenderOptions, spp: Option<u32>, sample: SampleId
         words.extend(["-D".to_owned(), quoted(text)]);
     }
     words.extend(spp.map(|spp| format!("--spp={spp}")));
+    words.extend(options.frame.map(|frame| format!("--frames={frame}")));
     words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
     words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
     words.join(" ")
 }
 
 /// The word as a POSIX shell reads it back.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
@@ -242,7 +248,7 @@ fn phase(phase: Phase) -> Value {
 }
 
 /// Seconds to the microsecond.
-fn seconds(time: Duration) -> f64 {
+pub(super) fn seconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e6
 }
 
@@ -271,6 +277,8 @@ mod tests {
             scene: "my scenes/a.toml".into(),
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
+            frames: None,
+            frame: Some(-2),
             parts: Vec::new(),
             layout: crate::film::Layout::default(),
             first_pass: false,
@@ -283,7 +291,7 @@ mod tests {
             stats: None,
         };
         let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
-        let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --crop 3,5,4,6 -o pixel.exr";
+        let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --frames=-2 --crop 3,5,4,6 -o pixel.exr";
         assert_eq!(command, wanted, "quoted for a shell");
     }
 

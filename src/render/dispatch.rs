@@ -108,8 +108,7 @@ impl Studio {
             let State { film, course, .. } = plan.state();
             let tiles = tiles::tiles(plan.window);
             let state = checkpoint.state((film, course), &tiles, &plan.samples);
-            let state =
-                state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
+            let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
             plan.begin = Mutex::new(Some(state));
         }
         let backend = scene.render.backend;
@@ -165,9 +164,7 @@ impl Hierarchies {
             }
             Self::Binary(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
             Self::Wide(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
-            Self::Brute(accel) => {
-                (pool.install(|| with_accel(plan, accel)), "brute".to_owned(), "scalar")
-            }
+            Self::Brute(accel) => (pool.install(|| with_accel(plan, accel)), "brute".to_owned(), "scalar"),
         };
         let mut rendered = traced?;
         rendered.statistics.backend = backend;

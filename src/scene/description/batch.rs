@@ -54,6 +54,23 @@ record! {
     }
 }
 
+impl Default for JobSettings {
+    /// Nothing is said.
+    fn default() -> Self {
+        Self {
+            scene: None,
+            overrides: Overrides::default(),
+            frames: None,
+            outputs: vec![],
+            aov: vec![],
+            crop: None,
+            half: None,
+            time_limit_s: None,
+            target_error: None,
+        }
+    }
+}
+
 /// Values of a scene file to be replaced, each as `key=value` on the command line.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Overrides(pub Vec<Located<String>>);

@@ -18,7 +18,8 @@ const MOST: usize = 1_000_000;
 
 impl Frames {
     /// How frames are written.
-    pub const SYNTAX: &str = "write a number, A..B with both ends rendered, A..BxSTEP, or several of these with commas between";
+    pub const SYNTAX: &str =
+        "write a number, A..B with both ends rendered, A..BxSTEP, or several of these with commas between";
 
     /// One frame.
     #[must_use]
@@ -113,7 +114,8 @@ mod tests {
         assert_eq!(numbers(" -2 .. 1 "), Some(vec![-2, -1, 0, 1]), "below zero");
         assert_eq!(numbers("1..10x4"), Some(vec![1, 5, 9]), "a step");
         assert_eq!(numbers("5,1..3,2,9..9"), Some(vec![5, 1, 2, 3, 9]), "each once, in this order");
-        for text in ["", "a", "1..", "..3", "3..1", "1...3", "1..3x0", "4x2", "1,,2", "1.5", "0..99999999999"] {
+        for text in ["", "a", "1..", "..3", "3..1", "1...3", "1..3x0", "4x2", "1,,2", "1.5", "0..99999999999"]
+        {
             assert_eq!(numbers(text), None, "{text}");
         }
         assert_eq!(numbers("0..1000000"), None, "more than a million");

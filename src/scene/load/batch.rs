@@ -18,6 +18,18 @@ pub fn load_batch(path: &Path) -> Result<Batch> {
     report.into_result(batch)
 }
 
+/// Whether a file is a scene file rather than a batch file, by its tables; a file that is no TOML is not.
+#[must_use]
+pub fn is_scene(path: &Path) -> bool {
+    let Some(table) = std::fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok())
+    else {
+        return false;
+    };
+    let has = |names: &[&str]| names.iter().any(|name| table.contains_key(*name));
+    has(&["include", "camera", "film", "render", "materials", "shapes", "lights"])
+        && !has(&["jobs", "defaults"])
+}
+
 /// There are jobs, and each has a scene.
 pub(crate) fn check(batch: &Batch, fields: &mut Fields<'_>) {
     if !fields.is_whole("jobs", &batch.jobs) {

@@ -28,7 +28,7 @@ use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
 use crate::scene::load::node::Node;
 use crate::scene::record::{Rules, Value};
-pub use batch::load_batch;
+pub use batch::{is_scene, load_batch};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
 use report::Report;

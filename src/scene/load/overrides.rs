@@ -12,12 +12,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// Applies one override to the tree, files in it as seen from a folder; what is wrong with it is reported.
-pub(crate) fn apply(
-    tree: &mut Node,
-    (text, folder): (&str, &Path),
-    index: usize,
-    report: &mut Report,
-) {
+pub(crate) fn apply(tree: &mut Node, (text, folder): (&str, &Path), index: usize, report: &mut Report) {
     let source = Arc::new(Source::command_line(text, folder, index));
     let spot = Spot { source: source.clone(), offset: 0 };
     let Some((path, value)) = split(text) else {
