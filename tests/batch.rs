@@ -121,7 +121,8 @@ fn frames_are_single_renderings_to_the_bit() {
             assert!(channels(&desk, &format!("{scene}_{frame}.exr")) == single, "{scene} {frame}: a batch");
             let picture = exr::read(&desk.path("single.exr")).expect("readable");
             assert_eq!(picture.attribute("specula:frame"), Some(frame.to_string().as_str()), "number");
-            let time: f64 = picture.attribute("specula:frame_time_s").expect("there").parse().expect("a number");
+            let time: f64 =
+                picture.attribute("specula:frame_time_s").expect("there").parse().expect("a number");
             assert!((time - f64::from(frame) / 10.0).abs() < 1e-12, "at {time} s");
             // The shutter by hand.
             let shutter = [0.0, 0.05].map(|at: f64| (at + f64::from(frame) / 10.0).to_string());
@@ -159,7 +160,8 @@ fn frames_have_names_of_their_own() {
     assert_eq!((status, out.as_str()), (0, "a7.png\ns07.json\na9.png\ns09.json\n"), "{said}");
     let stats: Value = serde_json::from_slice(&read(&desk, "s09.json")).expect("JSON");
     assert_eq!((&stats["frame"], &stats["frame_time_s"]), (&9.into(), &0.9.into()), "{stats}");
-    let (status, out, said) = desk.run(&["render", "still.toml", "-q", "--frames", "7", "-o", "{frame}/a.exr"]);
+    let (status, out, said) =
+        desk.run(&["render", "still.toml", "-q", "--frames", "7", "-o", "{frame}/a.exr"]);
     assert_eq!((status, out.as_str()), (0, "7/a.exr\n"), "{said}");
     let (status, out, said) = desk.run(&["render", "still.toml", "-q", "--frames", "7"]);
     assert_eq!((status, out.as_str()), (0, "still.0007.exr\nstill.0007.png\n"), "{said}");
@@ -179,7 +181,9 @@ fn side_by_side_is_one_after_the_other_to_the_bit() {
     };
     let one = run(&["-t", "1"]);
     assert_eq!(one.len(), 9, "pictures");
-    for flags in [&["--jobs", "3", "-t", "2"][..], &["--jobs", "9", "-t", "9"], &["--jobs", "3", "--memory", "1M"]] {
+    for flags in
+        [&["--jobs", "3", "-t", "2"][..], &["--jobs", "9", "-t", "9"], &["--jobs", "3", "--memory", "1M"]]
+    {
         assert!(run(flags) == one, "{flags:?}");
     }
 }
@@ -210,8 +214,10 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     std::fs::rename(desk.path("gone.png"), desk.path("paint.png")).expect("moved");
     let command = summary["pictures"][0]["command"].as_str().expect("a command");
     let program = assert_cmd::cargo::cargo_bin("specula");
-    let path = format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").expect("set"));
-    let done = Command::new("sh").args(["-c", command]).current_dir(desk.path(".")).env("PATH", path).output();
+    let path =
+        format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").expect("set"));
+    let done =
+        Command::new("sh").args(["-c", command]).current_dir(desk.path(".")).env("PATH", path).output();
     assert!(done.expect("run").status.success() && desk.path("sub/a3.exr").exists(), "{command}");
     write(&desk, "sub/jobs.toml", &jobs[..jobs.find("[[jobs]]\nscene = '../broken").expect("there")]);
     let (status, summary, said) = batch(&desk, &["sub/jobs.toml"]);
@@ -235,7 +241,13 @@ fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     ] {
         assert!(said.contains(told), "{told} in {said}");
     }
-    write(&desk, "batch.toml", &jobs[jobs.find("[[jobs]]\nscene = 'model").expect("there")..].replace("['detph']\ncrop = [4, 4, 4, 8]", "[]").repeat(2));
+    write(
+        &desk,
+        "batch.toml",
+        &jobs[jobs.find("[[jobs]]\nscene = 'model").expect("there")..]
+            .replace("['detph']\ncrop = [4, 4, 4, 8]", "[]")
+            .repeat(2),
+    );
     let (status, _, said) = batch(&desk, &["batch.toml"]);
     assert!(status == 2 && said.contains("batch.toml:7:12: `a.exr` would be written twice"), "{said}");
     write(&desk, "batch.toml", "[[jobs]]\nframes = 1\nscene = 'still.toml'\njob = 1\n");
@@ -302,5 +314,9 @@ fn scene_files_are_jobs_of_their_own() {
     for name in ["model.exr", "model.png", "still.exr", "still.png"] {
         assert!(desk.path(name).exists(), "{name}");
     }
-    assert_eq!(exr::read(&desk.path("still.exr")).expect("readable").attribute("specula:spp"), Some("1"), "-D");
+    assert_eq!(
+        exr::read(&desk.path("still.exr")).expect("readable").attribute("specula:spp"),
+        Some("1"),
+        "-D"
+    );
 }

@@ -61,8 +61,9 @@ fn one(
 ) -> Result<()> {
     let options = order.options;
     interrupt.check()?;
+    let read = stage.load(order)?;
     let meter = Meter::new(quiet, "samples", interrupt.clone());
-    let made = stage.make(order, &meter);
+    let made = stage.make(order, read, &meter);
     meter.finish();
     let Made { rendered, about, settings, mut load, kept } = made?;
     load += reading;

@@ -10,7 +10,7 @@ use serde_json::Value;
 use super::frozen::Frozen;
 use super::kept::{self, Kept};
 use super::options::RenderOptions;
-use crate::error::{Problem, Result};
+use crate::error::{Error, Problem, Result};
 use crate::render::{self, Keeper, Limits, Phase, Progress, Rendered, Settings, Studio};
 use crate::scene::{self, Library, Loaded, Stamp};
 
@@ -61,17 +61,27 @@ impl Stage {
         Self { library, studio, last: None, told: HashSet::new() }
     }
 
-    /// Makes a picture.
-    pub(super) fn make<'a>(&mut self, order: &Order<'a>, progress: &dyn Progress) -> Result<Made<'a>> {
+    /// Gets the scene of an order ready: what the picture is of, where that is to be kept, and how long it took.
+    pub(super) fn load(&mut self, order: &Order<'_>) -> Result<(Value, Phase)> {
         let options = order.options;
         let (about, load) = Phase::of(|| {
             let frozen = self.freeze(order)?;
             let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
             if is_kept { kept::about(options, frozen) } else { Ok(Value::Null) }
         });
-        let about = about?;
+        Ok((about?, load))
+    }
+
+    /// Makes a picture of the scene that was got ready for it.
+    pub(super) fn make<'a>(
+        &mut self,
+        order: &Order<'a>,
+        (about, load): (Value, Phase),
+        progress: &dyn Progress,
+    ) -> Result<Made<'a>> {
+        let options = order.options;
         if progress.is_cancelled() {
-            return Err(crate::error::Error::Interrupted);
+            return Err(Error::Interrupted);
         }
         let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, options, about.clone()));
         let begin = kept.as_ref().map_or(Ok(None), |kept| match kept.begin() {
@@ -142,7 +152,7 @@ impl Stage {
     }
 }
 
-fn gone() -> crate::error::Error {
+fn gone() -> Error {
     Problem::new("there is no scene").into()
 }
 

@@ -1,8 +1,8 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
-use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
+use crate::accel::Accel;
+use crate::accel::bvh::{BvhAccel, Hierarchy, Options};
 use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
-use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::geometry::World;
@@ -13,9 +13,7 @@ use crate::render::query::{level, query};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
-use crate::render::{
-    Checkpoint, Keeper, Outline, Phase, Progress, Rendered, Settings, Slice, State, Statistics,
-};
+use crate::render::{Checkpoint, Keeper, Outline, Progress, Rendered, Settings, Slice, Statistics, Studio};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
 use crate::scene::{Scene, description};
@@ -65,118 +63,6 @@ pub fn render_kept(
     Studio::new(settings.threads)?.render(scene, settings, progress, kept)
 }
 
-/// Threads that render one picture after the other, and the hierarchy of the last one, which serves on while the world is the same.
-#[derive(Debug)]
-pub struct Studio {
-    threads: usize,
-    pool: rayon::ThreadPool,
-    last: Option<(Arc<World>, Hierarchies)>,
-}
-
-/// What finds hits, by what a scene may choose.
-#[derive(Debug)]
-enum Hierarchies {
-    Embree(EmbreeAccel),
-    Binary(BvhAccel<Binary>),
-    Wide(BvhAccel<Wide>),
-    Brute(Brute),
-}
-
-impl Studio {
-    /// So many threads, or all processors.
-    pub fn new(threads: Option<NonZeroUsize>) -> Result<Self> {
-        let (threads, pool) = pool(threads)?;
-        Ok(Self { threads, pool, last: None })
-    }
-
-    /// Gives up the hierarchy of the last picture, with its world.
-    pub fn clear(&mut self) {
-        self.last = None;
-    }
-
-    /// Renders as [`render_kept`] does, on the threads that are there, whatever the settings say of them.
-    pub fn render(
-        &mut self,
-        scene: &Scene,
-        settings: &Settings,
-        progress: &dyn Progress,
-        kept: Kept<'_>,
-    ) -> Result<Rendered> {
-        let mut plan = plan(scene, settings, progress)?;
-        plan.keeper = kept.keeper;
-        if let Some((checkpoint, place)) = kept.begin {
-            let State { film, course, .. } = plan.state();
-            let tiles = tiles::tiles(plan.window);
-            let state = checkpoint.state((film, course), &tiles, &plan.samples);
-            let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
-            plan.begin = Mutex::new(Some(state));
-        }
-        let backend = scene.render.backend;
-        let is_same =
-            |(world, last): &mut (_, Hierarchies)| Arc::ptr_eq(world, &scene.world) && last.is_of(backend);
-        let (last, build) = match self.last.take_if(is_same) {
-            Some((_, last)) => (last, Phase::default()),
-            None => {
-                // First the old one goes: both need not fit into memory.
-                self.last = None;
-                let (built, build) = Phase::of(|| self.build(scene, progress));
-                (built?, build)
-            }
-        };
-        let rendered = last.trace(&plan, &self.pool);
-        self.last = Some((scene.world.clone(), last));
-        let mut rendered = rendered?;
-        rendered.statistics.build = build;
-        rendered.statistics.threads = self.threads;
-        Ok(rendered)
-    }
-
-    /// The hierarchy of a world, built on the threads that then trace.
-    fn build(&self, scene: &Scene, progress: &dyn Progress) -> Result<Hierarchies> {
-        let world = &scene.world;
-        Ok(match scene.render.backend {
-            description::Backend::Embree => Hierarchies::Embree(embree(scene, self.threads, progress)?),
-            description::Backend::Bvh2 => Hierarchies::Binary(hierarchy(world, &self.pool, progress)?),
-            description::Backend::CwBvh => Hierarchies::Wide(hierarchy(world, &self.pool, progress)?),
-            description::Backend::Brute => Hierarchies::Brute(Brute::new(world.clone())),
-        })
-    }
-}
-
-impl Hierarchies {
-    fn is_of(&self, backend: description::Backend) -> bool {
-        let own = match self {
-            Self::Embree(_) => description::Backend::Embree,
-            Self::Binary(_) => description::Backend::Bvh2,
-            Self::Wide(_) => description::Backend::CwBvh,
-            Self::Brute(_) => description::Backend::Brute,
-        };
-        own == backend
-    }
-
-    /// Takes all samples.
-    fn trace(&self, plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<Rendered> {
-        let (traced, backend, isa) = match self {
-            Self::Embree(accel) => {
-                let isa = accel.device().isa().map_or("unknown", |isa| isa.name());
-                let backend = format!("embree {}", accel.device().version());
-                (pool.install(|| with_accel(plan, accel)), backend, isa)
-            }
-            Self::Binary(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
-            Self::Wide(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
-            Self::Brute(accel) => (pool.install(|| with_accel(plan, accel)), "brute".to_owned(), "scalar"),
-        };
-        let mut rendered = traced?;
-        rendered.statistics.backend = backend;
-        isa.clone_into(&mut rendered.statistics.isa);
-        Ok(rendered)
-    }
-}
-
-fn named<H: Hierarchy>(_: &BvhAccel<H>) -> String {
-    format!("{} (obvhs {})", H::NAME, bvh::VERSION)
-}
-
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
 pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
     let spp = most(scene, settings);
@@ -206,7 +92,11 @@ pub fn render_on<A: Accel>(
     Ok(rendered)
 }
 
-fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -> Result<Plan<'a>> {
+pub(super) fn plan<'a>(
+    scene: &'a Scene,
+    settings: &Settings,
+    progress: &'a dyn Progress,
+) -> Result<Plan<'a>> {
     two_pass::check(scene, settings)?;
     let seed = scene.render.seed;
     let most = most(scene, settings);
@@ -232,7 +122,7 @@ fn plan<'a>(scene: &'a Scene, settings: &Settings, progress: &'a dyn Progress) -
 }
 
 /// Threads that render, and how many.
-fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
+pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
     let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
@@ -242,7 +132,7 @@ fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
     Ok((threads, pool))
 }
 
-fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
+pub(super) fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
     let options =
         BuildOptions { device: Config { threads, ..Config::from_env() }, ..BuildOptions::default() };
@@ -254,7 +144,7 @@ fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<Embr
 }
 
 /// A hierarchy built on these threads.
-fn hierarchy<H: Hierarchy>(
+pub(super) fn hierarchy<H: Hierarchy>(
     world: &Arc<World>,
     pool: &rayon::ThreadPool,
     progress: &dyn Progress,
@@ -264,7 +154,7 @@ fn hierarchy<H: Hierarchy>(
     accel.ok_or(Error::Interrupted)
 }
 
-fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
+pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let settings = &plan.scene.render;
     let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;
     let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };

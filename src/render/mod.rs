@@ -20,10 +20,11 @@ mod samples;
 mod schedule;
 mod slice;
 mod state;
+mod studio;
 mod tiles;
 mod two_pass;
 
-pub use dispatch::{Begin, Kept, MOST, Studio, outline, render, render_kept, render_on};
+pub use dispatch::{Begin, Kept, MOST, outline, render, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};
@@ -31,4 +32,5 @@ pub use part::{Outline, Part, PartFile};
 pub use query::{Chosen, lanes, query};
 pub use slice::Slice;
 pub use state::{Checkpoint, Keeper, State};
+pub use studio::Studio;
 pub use two_pass::filter_of;

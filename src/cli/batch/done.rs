@@ -96,7 +96,7 @@ impl Wanted {
                 _ => return Some(format!("`{name}` has changed")),
             }
         }
-        (told(HASH) != Some(&self.hash)).then(|| "the scene or its overrides have changed".to_owned())
+        (told(HASH) != Some(self.hash.as_str())).then(|| "the scene or its overrides have changed".to_owned())
     }
 }
 

@@ -135,9 +135,8 @@ impl Planner<'_> {
             return;
         };
         let words = words((own, defaults), &relative(&scene.value, folder), &overrides);
-        let job = JobOf { name, folder: folder.to_owned(), overrides, words, outputs: Vec::new() };
         let shown = outputs.iter().map(|(path, _)| relative(path, folder)).collect();
-        let job = Arc::new(JobOf { outputs: shown, ..job });
+        let job = Arc::new(JobOf { name, folder: folder.to_owned(), overrides, words, outputs: shown });
         let numbers =
             frames.map_or_else(|| vec![None], |it| it.numbers().iter().copied().map(Some).collect());
         if let Some((path, place)) =

@@ -100,7 +100,8 @@ impl<'a> Whole<'a> {
 
     /// What becomes of one picture; nothing that goes wrong with it stops the others.
     fn fate(&self, task: &Task, bench: &mut Bench<'a>) -> Fate {
-        let _named = tracing::error_span!("picture", message = task.label()).entered();
+        let label = task.label();
+        let _named = tracing::error_span!("picture", message = label.as_str()).entered();
         let part = Part { whole: self, steps: AtomicU64::new(0) };
         let made = catch_unwind(AssertUnwindSafe(|| self.one(task, bench, &part)));
         part.advance(1, 1);
@@ -135,7 +136,8 @@ impl<'a> Whole<'a> {
             *pass = Some(self.gate.pass(self.estimate(task, loaded), || self.meter.is_cancelled())?);
         }
         let order = Order { options, loaded, start: begin, is_lenient: true };
-        let Made { rendered, load, kept, .. } = stage.make(&order, progress)?;
+        let read = stage.load(&order)?;
+        let Made { rendered, load, kept, .. } = stage.make(&order, read, progress)?;
         let frozen = stage.frozen()?;
         tell_dropped(options, &frozen.scene, &rendered);
         let bytes = memory::of_scene(&frozen.scene, &rendered);
@@ -187,7 +189,7 @@ impl Progress for Part<'_> {
 fn read<'a>(task: &Task, last: &'a mut Option<(Sources, Loaded)>) -> Result<&'a Loaded> {
     let options = &task.options;
     let (scene, overrides, folder) = (&options.scene, &options.overrides, &task.job.folder);
-    let known = last.take_if(|((path, texts, place), _)| (path, texts, place) == (scene, overrides, folder));
+    let known = last.take_if(|(of, _)| of.0 == *scene && of.1 == *overrides && of.2 == *folder);
     let entry = match known {
         Some(entry) => entry,
         None => {
