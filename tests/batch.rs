@@ -192,7 +192,7 @@ fn side_by_side_is_one_after_the_other_to_the_bit() {
 fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     let desk = desk();
     std::fs::create_dir(desk.path("sub")).expect("made");
-    std::fs::rename(desk.path("paint.png"), desk.path("gone.png")).expect("moved");
+    write(&desk, "model.toml", &farm::scene(farm::KEYS).replace("paint.png", "gone.png"));
     write(&desk, "broken.toml", "[camera]\nfom = [0, 0, 0]\n");
     let jobs = "[[jobs]]\nname = 'first one'\nscene = '../model.toml'\nframes = 3\noutputs = ['a#.exr']\n[[jobs]]\nscene = '../still.toml'\n[[jobs]]\nscene = '../broken.toml'\n[[jobs]]\nname = 'x'\nscene = '../still.toml'\noverrides.render.sp = 1\n[[jobs]]\nname = 'last'\nscene = '../still.toml'\n";
     write(&desk, "sub/jobs.toml", jobs);
@@ -202,16 +202,16 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     assert!(desk.path("sub/last.exr").exists(), "the others go on");
     for told in [
         "first one frame 3: sub/../model.toml:",
-        "no such file `sub/../paint.png`",
+        "no such file `sub/../gone.png`",
         "broken: sub/../broken.toml:2:1: unknown key `fom`; did you mean `from`?",
-        "sub/jobs.toml:14:23: in `render.sp=1`: unknown key `sp`; did you mean `spp`?",
+        "sub/jobs.toml:13:23: in `render.sp=1`: unknown key `sp`; did you mean `spp`?",
         "try it again by `cd sub && specula render ../model.toml --frames=3 -o a3.exr`",
         "3 of 5 pictures failed",
     ] {
         assert!(said.contains(told), "{told} in {said}");
     }
     // The command that is told does it.
-    std::fs::rename(desk.path("gone.png"), desk.path("paint.png")).expect("moved");
+    farm::paint(&desk, "gone.png", [9, 9, 9]);
     let command = summary["pictures"][0]["command"].as_str().expect("a command");
     let program = assert_cmd::cargo::cargo_bin("specula");
     let path =
@@ -310,7 +310,7 @@ fn scene_files_are_jobs_of_their_own() {
     let desk = desk();
     let (status, out, said) = desk.run(&["batch", "model.toml", "still.toml", "-D", "render.spp=1"]);
     assert_eq!(status, 0, "{said}");
-    assert!(out.contains("2 rendered; 3 files read") && out.contains("there is no `still.exr`"), "{out}");
+    assert!(out.contains("2 rendered; 3 files read") && out.contains("there is no `still.png`"), "{out}");
     for name in ["model.exr", "model.png", "still.exr", "still.png"] {
         assert!(desk.path(name).exists(), "{name}");
     }

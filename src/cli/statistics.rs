@@ -78,13 +78,18 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
-    if let Some((frame, time_s)) = frozen.frame {
-        entries.extend([("frame", frame.to_string()), ("frame_time_s", time_s.to_string())]);
-    }
+    entries.extend(frame(frozen));
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
+}
+
+/// Which frame of a sequence it is.
+fn frame(frozen: &Frozen) -> impl Iterator<Item = (&'static str, String)> {
+    let entries =
+        |(frame, time_s): (i32, f64)| [("frame", frame.to_string()), ("frame_time_s", time_s.to_string())];
+    frozen.frame.into_iter().flat_map(entries)
 }
 
 /// Which samples pixels have at most.

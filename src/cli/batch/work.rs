@@ -101,9 +101,9 @@ impl<'a> Whole<'a> {
     /// What becomes of one picture; nothing that goes wrong with it stops the others.
     fn fate(&self, task: &Task, bench: &mut Bench<'a>) -> Fate {
         let label = task.label();
-        let _named = tracing::error_span!("picture", message = label.as_str()).entered();
+        let named = tracing::error_span!("picture", message = label.as_str());
         let part = Part { whole: self, steps: AtomicU64::new(0) };
-        let made = catch_unwind(AssertUnwindSafe(|| self.one(task, bench, &part)));
+        let made = named.in_scope(|| catch_unwind(AssertUnwindSafe(|| self.one(task, bench, &part))));
         part.advance(1, 1);
         let failed = match made {
             Ok(Ok(fate)) => return fate,
@@ -112,7 +112,8 @@ impl<'a> Whole<'a> {
             Err(_) => vec!["the program has an error; it was told above".to_owned()],
         };
         bench.clear();
-        tracing::warn!("failed, the others go on: {}", failed.first().map_or("", String::as_str));
+        let first = failed.first().map_or("", String::as_str);
+        named.in_scope(|| tracing::warn!("failed, the others go on: {first}"));
         Fate::Failed(failed)
     }
 
