@@ -332,7 +332,7 @@ fn clocks_that_jump_change_nothing() {
         "still.toml",
         "-q",
         "--spp",
-        "100000000",
+        "16777216",
         "-o",
         "c.exr",
         "--time-limit",

@@ -86,9 +86,7 @@ impl RenderOptions {
         for (i, path) in others.iter().enumerate() {
             check_target(path, &mut problems);
             let is_taken = |other: &PathBuf| is_same(other, path);
-            if others[..i].iter().any(|other| is_taken(other))
-                || checked.iter().any(|output| is_taken(&output.path))
-            {
+            if others[..i].iter().any(is_taken) || checked.iter().any(|output| is_taken(&output.path)) {
                 problems.push(twice(path));
             }
         }
