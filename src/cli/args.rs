@@ -163,7 +163,8 @@ pub struct RenderArgs {
     /// Render frames of a sequence: N, A..B (both ends are rendered), A..BxSTEP, or several with commas between
     ///
     /// For frame F the shutter opens and closes F / fps later than the scene file says (`fps` of the camera, 24 by default). Names of files
-    /// need a place for the number, where there are several frames: {frame}, or as many # as there are to be digits.
+    /// need a place for the number, where there are several frames: {frame}, or as many # as there are to be digits. A limit of time is one
+    /// for each frame.
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     pub frames: Option<String>,
 
