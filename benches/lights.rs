@@ -1,7 +1,8 @@
 //! What ways of asking lights and of ending paths cost and bring: CPU time and error of pictures of paths.
 //!
 //! Tables: a panel near a floor, drawn from by solid angle and by area; the choice of one light among many; the length from which paths may
-//! end at random. `cargo bench --bench lights [-- part of a table's name]`.
+//! end at random; how much of the error the light of the first hit has, which is what splitting paths there could save.
+//! `cargo bench --bench lights [-- part of a table's name]`.
 //!
 //! Gain is 1 / (CPU seconds x relMSE) over that of the first row: above 1, the same error is reached sooner. References have other random
 //! numbers and sixteen times as many samples or more.
@@ -18,7 +19,10 @@ mod places;
 mod terrain;
 
 use pictures::{errors, rendered};
+use specula::film::{Aov, Layout};
 use specula::image::Image;
+use specula::math::Rgb;
+use specula::render::{Settings, Silent};
 use specula::scene::Scene;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -71,7 +75,88 @@ fn main() -> Result<(), Box<dyn Error>> {
             table(&name, counts, &ways)?;
         }
     }
+    let [whole, some] = [|keys: &str| panel(keys, false), |keys: &str| lamps(16, keys)];
+    let further: [(&str, Place<'_>); 2] = [("panel", &whole), ("16 lights", &some)];
+    for (name, place) in places.into_iter().chain(further) {
+        if wants(&format!("first hit, {name}")) {
+            first_hit(name, if is_bench { [32, 4096] } else { counts }, place)?;
+        }
+    }
     Ok(())
+}
+
+/// Rays of each kind that the light of the first hit is averaged over.
+const SPLIT: u32 = 64;
+
+/// The error of paths, and what is left of it where the light of the first hit (all that comes by two edges) is averaged over many rays
+/// towards lights and in lobes, the paths going on as before, and where it has no error at all. The averages come from trees, whose samples
+/// of a pixel begin with the same camera rays.
+fn first_hit(name: &str, [spp, many]: [u32; 2], place: Place<'_>) -> Result<(), Box<dyn Error>> {
+    let path = |spp: u32, seed: u32| {
+        let render = format!("integrator = \"path\"\nspp = {spp}\nseed = {seed}");
+        parts(place, &render, None)
+    };
+    let tree = |spp: u32, seed: u32| {
+        let rays = format!("light_samples = {SPLIT}\nglossy_samples = {SPLIT}");
+        let render = format!("integrator = \"distribution\"\nspp = {spp}\nseed = {seed}\n{rays}");
+        parts(place, &render, Some(2))
+    };
+    let Some([all, direct, _]) = path(many, 1000)? else { return Ok(()) };
+    let mut found = [0.0; 4];
+    for seed in 0..SEEDS {
+        let (Some([own, own_direct, rest]), Some([split, ..])) = (path(spp, seed)?, tree(spp, seed)?) else {
+            return Ok(());
+        };
+        let pictures =
+            [own, sum(&rest, &split), sum(&rest, &direct), sum(&all, &difference(&own_direct, &direct))];
+        for (error, picture) in found.iter_mut().zip(&pictures) {
+            *error += errors(picture, &all)?.relmse / f64::from(SEEDS);
+        }
+    }
+    println!("\nfirst hit, {name}, {} x {}, {spp} samples\n", all.width(), all.height());
+    println!("| | relMSE, 10^-6 | of that of paths |\n|---|---|---|");
+    let split = format!("light of the first hit by {SPLIT} rays of each kind");
+    let names = [
+        "paths",
+        &split,
+        "light of the first hit without error",
+        "error of the light of the first hit alone",
+    ];
+    for (name, error) in names.into_iter().zip(found) {
+        println!("| {name} | {:.0} | {:.3} |", error * 1e6, error / found[0]);
+    }
+    Ok(())
+}
+
+/// A picture, the part of it that came by two edges at most, and the rest; by so many edges, if that is not for the scene to say.
+fn parts(place: Place<'_>, render: &str, edges: Option<u32>) -> Result<Option<[Image; 3]>, Box<dyn Error>> {
+    let Some(mut scene) = place(render)? else { return Ok(None) };
+    scene.render.max_depth = edges.unwrap_or(scene.render.max_depth);
+    let layout = Layout::with([Aov::Direct, Aov::Indirect]);
+    let film = specula::render::render(&scene, &Settings { layout, ..Settings::default() }, &Silent)?.film;
+    let image = |aov: Aov| {
+        let mut image = Image::new(film.window().width(), film.window().height());
+        let channels = film.channels(aov).unwrap_or_default();
+        for (i, pixel) in image.pixels_mut().iter_mut().enumerate() {
+            *pixel = Rgb::new(channels[0][i], channels[1][i], channels[2][i]);
+        }
+        image
+    };
+    Ok(Some([Aov::Beauty, Aov::Direct, Aov::Indirect].map(image)))
+}
+
+fn sum(a: &Image, b: &Image) -> Image {
+    combined(a, b, |a, b| a + b)
+}
+
+fn difference(a: &Image, b: &Image) -> Image {
+    combined(a, b, |a, b| a - b)
+}
+
+fn combined(a: &Image, b: &Image, of: impl Fn(Rgb<f32>, Rgb<f32>) -> Rgb<f32>) -> Image {
+    let mut image = a.clone();
+    image.pixels_mut().iter_mut().zip(b.pixels()).for_each(|(a, b)| *a = of(*a, *b));
+    image
 }
 
 fn table(name: &str, [spp, many]: [u32; 2], ways: &[Way<'_>]) -> Result<(), Box<dyn Error>> {

@@ -113,6 +113,49 @@ fn surfaces_are_what_and_where_they_are() {
     }
 }
 
+/// Surface parameters run from 0 to 1 along the edges of a rectangle.
+#[test]
+fn surface_parameters_are_those_of_the_first_surface() {
+    let text = |render: &str, edges: &str| {
+        format!(
+            "[camera]\nfrom = [0.0, 0.0, 10.0]\nat = [0.0, 0.0, 0.0]\nvfov_deg = 11.421186\n\
+             [film]\nwidth = 32\nheight = 32\nfilter = \"box\"\n[render]\n{render}\n\
+             [materials.m]\ntype = \"mirror\"\n[[shapes]]\ntype = \"rectangle\"\nmaterial = \"m\"\n{edges}\n\
+             [[lights]]\ntype = \"environment\"\nradiance = 1.0\n"
+        )
+    };
+    // Of the whole picture, turned by a quarter, and of its left half.
+    let edges = [
+        ("edge_u = [1.0, 0.0, 0.0]\nedge_v = [0.0, 1.0, 0.0]", 32),
+        ("edge_u = [0.0, 1.0, 0.0]\nedge_v = [-1.0, 0.0, 0.0]", 32),
+        ("center = [-0.5, 0.0, 0.0]\nedge_u = [0.5, 0.0, 0.0]\nedge_v = [0.0, 1.0, 0.0]", 16),
+    ];
+    for (integrator, query) in
+        [("path", "stream"), ("path", "single"), ("whitted", "stream"), ("view", "single")]
+    {
+        for (i, (edges, width)) in edges.into_iter().enumerate() {
+            let render = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\nspp = 16");
+            let film = film(&text(&render, edges), &[Aov::Uv]);
+            for (x, y) in [(0, 0), (3, 9), (15, 16), (31, 31), (20, 5)] {
+                let [right, up] = [(x as f32 + 0.5) / 32.0, 1.0 - (y as f32 + 0.5) / 32.0];
+                let expected = match i {
+                    0 => [right, up],
+                    1 => [up, 1.0 - right],
+                    _ if x < width => [2.0 * right, up],
+                    _ => [0.0; 2],
+                };
+                let found = at(&film, Aov::Uv, [x, y]);
+                // Sixteen stratified samples of a pixel have their mean within a quarter of its width.
+                let near = found
+                    .iter()
+                    .zip(expected)
+                    .all(|(found, expected)| (found - expected).abs() < 0.25 / 16.0);
+                assert!(near, "{integrator}, {query}, {edges}: {found:?} for {expected:?} at {x}, {y}");
+            }
+        }
+    }
+}
+
 #[test]
 fn a_pixel_on_an_edge_has_the_mean_place_of_what_it_hits() {
     let text = still("integrator = \"whitted\"\nspp = 64");

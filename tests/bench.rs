@@ -8,6 +8,10 @@ use serde_json::Value;
 use specula::bench::agreement::Difference;
 use specula::bench::{Class, Contestant};
 use std::fs;
+#[cfg(unix)]
+use std::process::{Command, Stdio};
+#[cfg(unix)]
+use std::time::{Duration, Instant};
 
 /// A ball and a box on a floor under two lamps, one of which has a size.
 const SCENE: &str = "
@@ -145,7 +149,7 @@ fn the_page_needs_nothing_else() {
         "--quick", "--rays", "32", "-t", "1", "--report", "a.html", "--class", "primary", "--class",
         "diffuse2",
     ];
-    bench(&desk, &words);
+    let document = json(&desk, &words);
     let page = fs::read_to_string(desk.path("a.html")).expect("written");
     assert!(page.starts_with("<!DOCTYPE html>"), "a page");
     for outside in ["<script", "<link", "src=", "href=", "url(", "@import"] {
@@ -153,17 +157,75 @@ fn the_page_needs_nothing_else() {
     }
     // For each of two classes: builds against rates, and bars of both modes.
     assert_eq!(page.matches("<svg").count(), 2 * 3, "plots");
-    for part in [
-        "a.toml",
-        "diffuse2",
-        "quality = medium, robust = true",
-        "preset = medium, padding = 1",
-        "rustc",
-        "lost_at_edge",
-    ] {
-        assert!(page.contains(part) || part == "lost_at_edge", "{part}");
+    for part in
+        ["a.toml", "diffuse2", "quality = medium, robust = true", "preset = medium, padding = 1", "rustc"]
+    {
+        assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("no plot:"), "plots are drawn");
+    // Of each mode either who differs, by reason, or that nobody does.
+    let differs = |mode: &str| {
+        let of_mode = |entry: &&Value| entry["hits"] == mode && entry["differ"].as_u64() > Some(0);
+        list(&document, "/scenes/0/agreement").iter().any(|entry| of_mode(&entry))
+    };
+    let tables = ["closest", "any"].into_iter().filter(|mode| differs(mode)).count();
+    let told = ["<th>lost_at_edge</th>", "<p>None.</p>"].map(|part| page.matches(part).count());
+    assert_eq!(told, [tables, 2 - tables], "tables of answers");
+}
+
+/// The box twice in one place: whoever meets both at once may name either, and the page has a column for each reason.
+#[test]
+fn the_page_tells_whose_answers_differ() {
+    let desk = place();
+    let twice = SCENE.replace("[[lights]]\ntype = 'rectangle'", "[[shapes]]\ntype = 'box'\nmin = [-0.5, 0.0, -0.5]\nmax = [0.5, 1.0, 0.5]\nmaterial = 'm'\n[[lights]]\ntype = 'rectangle'");
+    fs::write(desk.path("a.toml"), twice).expect("written");
+    let words = [
+        "--rays",
+        "256",
+        "-t",
+        "1",
+        "--report",
+        "a.html",
+        "--class",
+        "primary",
+        "--backend",
+        "brute",
+        "--backend",
+        "embree",
+    ];
+    let document = json(&desk, &words);
+    let ties: u64 =
+        list(&document, "/scenes/0/agreement").iter().filter_map(|it| it["id_tie"].as_u64()).sum();
+    let page = fs::read_to_string(desk.path("a.html")).expect("written");
+    assert!(ties > 0 && page.contains("<th>lost_at_edge</th>"), "{ties} ties");
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_race_ends_with_status_130() {
+    let desk = place();
+    let words =
+        ["bench", "a.toml", "-q", "--rays", "65536", "--passes", "500", "-t", "1", "--record", "a.rays"];
+    let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
+        .args(words)
+        .args(["--report", "a.html"])
+        .current_dir(desk.path("."))
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("started");
+    // Once rays are recorded the race begins.
+    let begin = Instant::now();
+    while !desk.path("a.rays").exists() && begin.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(child.try_wait().expect("known").is_none(), "the race is on");
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("run");
+    assert!(sent.success(), "sent");
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!((output.status.code(), output.stdout.len()), (Some(130), 0), "interrupted, without a table");
+    assert_eq!(desk.names(), ["a.rays", "a.toml"], "no page, nothing half-written");
 }
 
 #[test]

@@ -14,14 +14,15 @@ mod room;
 mod scene;
 
 use desk::Desk;
-use room::room;
+use room::{fuzzy_room, room};
 use scene::{bits, scene_of};
 use serde_json::{Value, json};
 use specula::error::{Error, Place, Result};
 use specula::film::{Aov, Layout};
-use specula::image::exr;
+use specula::image::{Window, exr};
 use specula::render::{
-    Checkpoint, Ended, Keeper, Kept, Limits, Progress, Rendered, Settings, Silent, State, render, render_kept,
+    Checkpoint, Ended, Keeper, Kept, Limits, Progress, Rendered, Settings, Silent, Slice, State, render,
+    render_kept,
 };
 use specula::scene::Scene;
 use std::num::NonZeroUsize;
@@ -134,6 +135,66 @@ fn interrupted_pictures_are_those_of_one_go() {
         assert!(bits(&resumed.film) == bits(&whole.film), "{render}: to the bit");
         assert_eq!(resumed.film, whole.film, "{render}: sums");
         assert_eq!(resumed.statistics.counters, whole.statistics.counters, "{render}: rays");
+    }
+}
+
+/// Filtered reflections: copies have whole samples of the picture.
+#[test]
+fn interrupted_pictures_of_filtered_reflections_are_those_of_one_go() {
+    for (render, threads) in [("spp = 24", 2), ("integrator = \"distribution\"\nspp = 17", 1)] {
+        let scene = scene_of(&fuzzy_room(render));
+        let settings = settings(threads, Limits::default());
+        let whole = specula::render::render(&scene, &settings, &Silent).expect("a picture");
+        let (resumed, times) = interrupted(&scene, &settings, 5000, Duration::from_secs(3600));
+        println!("{render:?}: {times} interruptions");
+        assert!(times > 1, "{render}: interrupted");
+        assert_eq!(resumed.film, whole.film, "{render}: sums");
+        assert_eq!(resumed.statistics.counters, whole.statistics.counters, "{render}: rays");
+        let [all, filter] = [resumed.statistics.render, resumed.statistics.filter].map(|phase| phase.wall);
+        assert!(
+            Duration::ZERO < filter && filter < all,
+            "{render}: times of all runs: {filter:?} of {all:?}"
+        );
+    }
+    // Time that earlier runs took counts, and what ended is that of its samples.
+    let limits = Limits { time: Some(Duration::from_millis(600)), error: None };
+    let scene = scene_of(&fuzzy_room(""));
+    let (resumed, times) = interrupted(&scene, &settings(2, limits), 20_000, Duration::from_secs(3600));
+    assert_eq!(resumed.statistics.ended, Ended::Time, "{times} interruptions");
+    let [least, most] = resumed.film.samples_of_pixels();
+    assert!(least == most && most < 1 << 16, "{least}, {most}");
+    let whole = scene_of(&fuzzy_room(&format!("spp = {most}")));
+    let whole = render(&whole, &settings(2, Limits::default()), &Silent).expect("a picture");
+    assert!(bits(&resumed.film) == bits(&whole.film), "{most} samples, to the bit");
+    // The first pass itself is in no copy.
+    let keeper = Memory::new(Duration::from_secs(3600));
+    let kept = Kept { begin: None, keeper: Some(&keeper) };
+    let settings = Settings { first_pass: true, ..settings(1, Limits::default()) };
+    let error = render_kept(&scene, &settings, &Silent, kept).expect_err("refused").to_string();
+    assert!(error.contains("`gbuffer`") && error.contains("leave out"), "{error}");
+}
+
+#[test]
+fn slices_and_crops_go_on_too() {
+    let crop = Window { x0: 5, y0: 3, x1: 31, y1: 19 };
+    let slice = Slice { index: 1, of: 3 };
+    let texts = [room(WAYS[0].0), room(WAYS[1].0), room(WAYS[4].0), room(WAYS[5].0), fuzzy_room("spp = 48")];
+    for text in texts {
+        let scene = scene_of(&text);
+        let render_keys =
+            text.lines().skip_while(|line| !line.contains("[render]")).take(5).collect::<String>();
+        for (slice, crop) in [(Some(slice), None), (None, Some(crop)), (Some(slice), Some(crop))] {
+            // A thread that is stopped gets on by a packet of a tile, 4096 samples, at least.
+            let settings = Settings { slice, crop, ..settings(1, Limits::default()) };
+            let whole = render(&scene, &settings, &Silent).expect("a picture");
+            let (resumed, times) = interrupted(&scene, &settings, 5000, Duration::from_secs(3600));
+            let what = format!("{render_keys}, {slice:?}, {crop:?}: {times} interruptions");
+            println!("{what}");
+            assert!(times > 0, "{what}");
+            assert_eq!(resumed.film, whole.film, "{what}: sums");
+            assert_eq!(resumed.statistics.counters, whole.statistics.counters, "{what}: rays");
+            assert_eq!(resumed.statistics.first, whole.statistics.first, "{what}: which samples");
+        }
     }
 }
 
@@ -312,6 +373,19 @@ fn signals_leave_a_checkpoint_and_status_130() {
     }
 }
 
+/// The same checkpoint as another version of the program would have written it; versions are equally long.
+fn of_version(bytes: &[u8], version: &str, other: &str) -> Vec<u8> {
+    let size = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
+    let head = std::str::from_utf8(&bytes[28..28 + size]).expect("JSON");
+    let [version, other] = [version, other].map(|version| format!("\"version\":\"{version}\""));
+    assert_eq!(head.matches(&version).count(), 1, "{head}");
+    let head = head.replace(&version, &other);
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[..24]);
+    hasher.update(head.as_bytes());
+    [&bytes[..24], &hasher.finalize().to_le_bytes(), head.as_bytes(), &bytes[28 + size..]].concat()
+}
+
 /// Has the program leave a checkpoint on the desk.
 #[cfg(unix)]
 fn leave(desk: &Desk) {
@@ -346,6 +420,27 @@ fn checkpoints_of_anything_else_are_refused_and_the_difference_is_named() {
     refused(&["--target-error", "0.001"], "`target_error` is nothing there and 0.001 here");
     refused(&["--slice", "1/2", "-o", "c.part"], "`slice` is nothing there and \"1/2\" here");
     refused(&["--crop", "0,0,9,9"], "`crop` is ");
+    if specula::render::lanes() != "portable" {
+        let output = desk.command().args(KEPT).env("SPECULA_ISA", "portable").output().expect("run");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        let told =
+            format!("`instruction_set` is \"{}\" there and \"portable\" here", specula::render::lanes());
+        assert!(said.contains(&told), "{said}");
+        assert!(said.contains("`backend` is \"embree ") && said.contains(", sse4.2\" here"), "{said}");
+        assert_eq!(said.matches("of another picture").count(), 2, "nothing else differs: {said}");
+        assert!(std::fs::read(desk.path("a.ckpt")).expect("there") == kept, "untouched");
+    }
+    let version = env!("CARGO_PKG_VERSION");
+    let other = version.replace(|c: char| c.is_ascii_digit(), "7");
+    std::fs::write(desk.path("a.ckpt"), of_version(&kept, version, &other)).expect("written");
+    let (status, _, said) = desk.run(&KEPT);
+    assert!(
+        status == 2 && said.contains(&format!("`version` is \"{other}\" there and \"{version}\" here")),
+        "{said}"
+    );
+    assert_eq!(said.matches("of another picture").count(), 1, "nothing else differs: {said}");
+    std::fs::write(desk.path("a.ckpt"), &kept).expect("written");
     let (status, _, said) = desk.run(&KEPT[..8]);
     assert!(status == 2 && said.contains("--resume"), "without --resume: {status}: {said}");
     std::fs::write(desk.path("a.ckpt"), "something else").expect("written");
@@ -354,6 +449,9 @@ fn checkpoints_of_anything_else_are_refused_and_the_difference_is_named() {
     std::fs::write(desk.path("a.ckpt"), &kept[..kept.len() - 1]).expect("written");
     let (status, _, said) = desk.run(&KEPT);
     assert!(status == 2 && said.contains("cut off"), "truncated: {status}: {said}");
+    let (status, _, said) =
+        desk.run(&["render", "none.toml", "-o", "a.exr", "--checkpoint", "b.ckpt", "--aov", "gbuffer"]);
+    assert!(status == 2 && said.contains("`--checkpoint` beside the output `gbuffer`"), "{status}: {said}");
     for flags in [&["--resume"][..], &["--checkpoint-every", "3s"]] {
         let words: Vec<&str> = ["render", "a.toml"].iter().chain(flags).copied().collect();
         let (status, _, said) = desk.run(&words);

@@ -53,7 +53,9 @@ fn help_lists_the_commands_and_version_the_version() {
     let place = place();
     let (status, stdout, stderr) = place.run(&["--help"]);
     assert_eq!((status, stderr.as_str()), (0, ""), "help is a result");
-    for command in ["render", "batch", "merge", "diff", "fuzzy", "bench", "schema", "completions", "man"] {
+    for command in
+        ["render", "batch", "merge", "farm", "diff", "fuzzy", "bench", "schema", "completions", "man"]
+    {
         assert!(stdout.contains(command), "{command} in {stdout}");
     }
     let (status, stdout, _) = place.run(&["render", "--help"]);
@@ -74,6 +76,9 @@ fn help_lists_the_commands_and_version_the_version() {
         "--height",
         "--max-depth",
         "--min-throughput",
+        "--fresnel",
+        "--light-samples",
+        "--glossy-samples",
         "--crop",
         "--seed",
         "--threads",
@@ -183,6 +188,14 @@ fn flags_override_the_scene_and_the_metadata_tell() {
         "3",
         "--min-throughput",
         "0.5",
+        "--fresnel",
+        "schlick",
+        "--light-samples",
+        "3",
+        "--glossy-samples",
+        "2",
+        "--stats",
+        "a.json",
         "-D",
         "materials.wall.reflectance=0.25",
     ];
@@ -197,6 +210,12 @@ fn flags_override_the_scene_and_the_metadata_tell() {
         ("specula:sampler", "independent"),
         ("specula:max_depth", "3"),
         ("specula:min_throughput", "0.5"),
+        ("specula:fresnel", "schlick"),
+        ("specula:glossy", "lobe"),
+        ("specula:light_samples", "3"),
+        ("specula:glossy_samples", "2"),
+        ("specula:split_depth", "1"),
+        ("specula:query", "single"),
         ("specula:integrator", "whitted"),
         ("specula:samples", "0..2"),
         ("specula:non_finite_samples", "0"),
@@ -211,6 +230,55 @@ fn flags_override_the_scene_and_the_metadata_tell() {
         serde_json::from_str(picture.attribute("specula:plan").expect("a plan")).expect("JSON");
     let backend = plan.pointer("/backend/name").and_then(serde_json::Value::as_str);
     assert_eq!((backend, plan["spp"].as_u64()), (Some("brute"), Some(2)), "{plan}");
+    let text = fs::read_to_string(place.path("a.json")).expect("statistics");
+    let stats: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    for (key, value) in [("fresnel", "schlick"), ("glossy", "lobe"), ("query", "single")] {
+        assert_eq!(stats[key], value, "{key} in {text}");
+    }
+    for (key, value) in [("light_samples", 3), ("glossy_samples", 2), ("split_depth", 1)] {
+        assert_eq!(stats[key], value, "{key} in {text}");
+    }
+    assert!(stats["direct"].is_null(), "trees have no strategies: {text}");
+}
+
+#[test]
+fn knobs_of_the_tree_are_warned_of_where_paths_are_followed() {
+    let place = place();
+    let text = BALL.replace("spp = 4", "spp = 4\nglossy_samples = 3");
+    fs::write(place.path("knob.toml"), &text).expect("written");
+    let words = ["render", "knob.toml", "-o", "a.exr", "--light-samples", "4", "-D", "render.split_depth=2"];
+    let (status, _, stderr) = place.run(&[&words[..], &["--integrator", "path"]].concat());
+    assert_eq!(status, 0, "{stderr}");
+    for told in [
+        "knob.toml:7:18: `glossy_samples` is of the ray tree: the integrator `path` does not use it; leave it out",
+        "command line: in `render.light_samples=4`: `light_samples` is of the ray tree",
+        "command line: in `render.split_depth=2`: `split_depth` is of the ray tree",
+    ] {
+        assert!(stderr.contains(told), "{told} in {stderr}");
+    }
+    let picture = exr::read(&place.path("a.exr")).expect("a picture");
+    assert_eq!(picture.attribute("specula:direct"), Some("both"), "strategies of paths");
+    assert_eq!(picture.attribute("specula:light_samples"), None, "what was not used");
+    for integrator in ["whitted", "distribution"] {
+        let (status, _, stderr) = place.run(&[&words[..], &["--integrator", integrator]].concat());
+        assert!(status == 0 && !stderr.contains("of the ray tree"), "{integrator}: {stderr}");
+    }
+    let (_, planned, _) = place.run(&["plan", "knob.toml", "-D", "render.integrator=path"]);
+    assert!(planned.contains("`glossy_samples` is of the ray tree"), "the plan tells, too: {planned}");
+}
+
+#[test]
+fn the_plan_says_how_rays_are_asked_for_and_why() {
+    let place = place();
+    for (words, line) in [
+        (&[][..], "query      stream: camera and shadow rays are faster in packets\n"),
+        (&["--backend", "bvh2"], "query      single: this backend has single rays only\n"),
+        (&["-D", "render.integrator=path"], "query      stream: paths are followed many at a time\n"),
+        (&["-D", "render.query=packet"], "query      packet: as asked for\n"),
+    ] {
+        let (status, planned, stderr) = place.run(&[&["plan", "ball.toml"], words].concat());
+        assert!(status == 0 && planned.contains(line), "{line} in {planned}{stderr}");
+    }
 }
 
 #[test]
@@ -395,6 +463,9 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
         "-plan",
         "-batch",
         "-merge",
+        "-farm",
+        "-farm-slurm",
+        "-farm-openjd",
         "-diff",
         "-fuzzy",
         "-bench",
@@ -515,4 +586,28 @@ fn nothing_that_is_read_is_overwritten_and_nothing_is_written_twice() {
         assert_eq!(fs::read(place.path("ball.toml")).expect("there"), BALL.as_bytes(), "{words:?}");
     }
     assert_eq!(place.names(), ["ball.toml"], "nothing was written");
+}
+
+#[test]
+fn pictures_tell_what_they_were_shaded_with() {
+    let place = place();
+    for level in specula::math::lanes::Level::available() {
+        let wide = format!("{} x {}", level.name(), level.width());
+        for (flags, expected) in [
+            (&["--integrator", "path"][..], wide.as_str()),
+            (&["--integrator", "path", "--query", "single"], "scalar x 1"),
+            (&["--integrator", "whitted", "--backend", "bvh2"], "scalar x 1"),
+        ] {
+            let mut command = place.command();
+            command.args(["render", "ball.toml", "-q", "-o", "a.exr", "--stats", "a.json"]).args(flags);
+            let output = command.env("SPECULA_ISA", level.name()).output().expect("run");
+            assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+            let picture = exr::read(&place.path("a.exr")).expect("a picture");
+            assert_eq!(picture.attribute("specula:lanes"), Some(expected), "{wide}, {flags:?}");
+            let stats = fs::read(place.path("a.json")).expect("written");
+            let stats: serde_json::Value = serde_json::from_slice(&stats).expect("JSON");
+            assert_eq!(stats["lanes"], expected, "{wide}, {flags:?}");
+            assert!(picture.attribute("specula:isa").is_some_and(|isa| isa == stats["isa"]), "the backend's");
+        }
+    }
 }

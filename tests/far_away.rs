@@ -3,7 +3,7 @@
 //! pixel by pixel.
 
 use glam::DVec3;
-use specula::film::Aov;
+use specula::film::{Aov, Layout};
 use specula::light::Light;
 use specula::render::{Settings, Silent, render};
 use specula::scene::description::Normals;
@@ -196,10 +196,14 @@ radiance = 0.1
 }
 
 fn built(away: Away) -> Built {
+    built_of(&text(away), away)
+}
+
+fn built_of(text: &str, away: Away) -> Built {
     let folder = tempfile::tempdir().expect("a folder for a scene");
     let path = folder.path().join("scene.toml");
     write_meshes(folder.path(), away);
-    std::fs::write(&path, text(away)).expect("a scene file");
+    std::fs::write(&path, text).expect("a scene file");
     let loaded = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}"));
     scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -232,6 +236,44 @@ fn a_scene_far_from_the_origin_is_what_it_is_near() {
                 changed * 100.0
             );
             assert!(rmse <= 1e-3, "{axes:?} times {reach:e}: RMSE {rmse:e} of the mean");
+        }
+    }
+}
+
+/// The output `position` is a place as the scene's files have it, wherever the scene is counted from.
+#[test]
+fn positions_are_counted_as_the_files_do() {
+    for settings in [
+        "integrator = \"path\"",
+        "integrator = \"path\"\nquery = \"single\"",
+        "integrator = \"whitted\"",
+        "integrator = \"whitted\"\nglossy = \"two-pass\"",
+    ] {
+        let positions = |away: Away| {
+            let text = text(away).replace("[render]\nspp = 8", &format!("[render]\n{settings}\nspp = 8"));
+            let built = built_of(&text, away);
+            let layout = Layout::with([Aov::Position]);
+            let rendered = render(&built.scene, &Settings { layout, ..Settings::default() }, &Silent);
+            let film = rendered.expect("a picture").film;
+            (film.channels(Aov::Position).expect("kept"), film.channels(Aov::Alpha).expect("kept").concat())
+        };
+        let (home, alpha) = positions(AT_HOME);
+        let hit: Vec<usize> = (0..alpha.len()).filter(|&i| alpha[i] >= 1.0).collect();
+        assert!(hit.len() > alpha.len() / 2, "{settings}: surfaces");
+        for t in [[1e4, 0.0, 0.0], [1e5, -2e5, 3e5], [0.0, 1e7, 0.0]] {
+            let (far, _) = positions(Away { s: 1.0, t });
+            for axis in 0..3 {
+                // Rounding of each sample and of their mean; where pictures differ a sample falls on the other side of an edge.
+                let step = f64::from(f32::EPSILON) * t[axis].abs() + 1e-5;
+                let off = |&i: &usize| (f64::from(far[axis][i]) - f64::from(home[axis][i]) - t[axis]).abs();
+                let beyond = hit.iter().filter(|i| off(i) > 2.0 * step + 1e-3).count();
+                println!("{settings}, {t:?}, axis {axis}: {beyond} of {} pixels beyond rounding", hit.len());
+                assert!(
+                    beyond * 100 <= hit.len(),
+                    "{settings}, {t:?}, axis {axis}: {beyond} of {}",
+                    hit.len()
+                );
+            }
         }
     }
 }

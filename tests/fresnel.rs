@@ -306,6 +306,45 @@ fn the_edge_term_takes_most_of_the_error_away() {
     }
 }
 
+/// The table in the documentation of `FresnelModel`'s file, digit by digit: greatest errors over all angles.
+#[test]
+fn errors_are_those_that_the_documentation_states() {
+    let lines = include_str!("../src/bsdf/reflectance.rs").lines();
+    let rows = lines.filter_map(|line| line.strip_prefix("//! | ")).map(|row| row.split('|').map(str::trim));
+    let rows: Vec<Vec<&str>> = rows.map(Iterator::collect).filter(|row: &Vec<_>| row.len() == 8).collect();
+    let worst = |error: &dyn Fn(f64) -> f64| {
+        (0..=9000).map(|i| error(cos_deg(f64::from(i) / 100.0)).abs()).fold(0.0, f64::max)
+    };
+    let mut checked = 0;
+    let mut check = |name: &str, model: FresnelModel, printed: &str, found: f64| {
+        let stated: f64 = printed.parse().unwrap_or_else(|_| panic!("{name}: {printed}"));
+        // Half of the last digit, and what the grid of angles misses.
+        let digits = printed.split('.').nth(1).map_or(0, str::len);
+        let half = 0.5 * 0.1_f64.powi(i32::try_from(digits).expect("few"));
+        assert!((found - stated).abs() <= half + 2e-5, "{name}, {model:?}: {found}, stated {printed}");
+        checked += 1;
+    };
+    for row in rows.iter().filter(|row| row[0].parse::<f64>().is_ok()) {
+        let [index, plain, edge, _, metal, plain_of_metal, edge_of_metal, _] = row[..] else {
+            panic!("{row:?}")
+        };
+        let eta: f64 = index.parse().expect("an index");
+        for (model, printed) in [(FresnelModel::Schlick, plain), (FresnelModel::F82, edge)] {
+            check(index, model, printed, worst(&|c| by(model, c, eta) - exact_dielectric(c, eta)));
+        }
+        let numbers =
+            metal.rsplit('(').next().unwrap_or(metal).trim_end_matches(" i)").trim_end_matches(" i");
+        let (eta, k) = numbers.split_once(" + ").unwrap_or_else(|| panic!("{metal}"));
+        let [eta, k] = [eta, k].map(|text| text.parse::<f64>().unwrap_or_else(|_| panic!("{metal}")));
+        for (model, printed) in [(FresnelModel::Schlick, plain_of_metal), (FresnelModel::F82, edge_of_metal)]
+        {
+            let error = |c| metal_by(model, c, eta, k) - (1.0 - exact_loss(c, eta, k));
+            check(metal, model, printed, worst(&error));
+        }
+    }
+    assert_eq!(checked, 20, "five indices and five metals by two models");
+}
+
 #[test]
 fn models_meet_at_normal_incidence_and_where_nothing_passes() {
     for model in MODELS {

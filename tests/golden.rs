@@ -1,8 +1,10 @@
 //! Eight small scenes of different needs against long pictures of our own, `tests/golden`.
 //!
 //! ```text
-//! SPECULA_RECORD=1 cargo test --release --test golden   # renders the pictures anew: minutes
+//! SPECULA_GOLDEN=1 cargo test --release --test golden   # renders the pictures anew: minutes
 //! ```
+//!
+//! That has a word of its own, lest who records tables (`SPECULA_RECORD`) make references of what is to be tested.
 //!
 //! A picture holds the mean over 16 384 independent samples of each pixel and the variance of one of them. The tests take a few
 //! hundred, by every integrator that should agree, and ask whether the difference is noise: of blocks of 4 by 4 pixels, which are

@@ -8,11 +8,12 @@ mod room;
 mod scene;
 
 use desk::Desk;
-use room::room;
+use room::{fuzzy_room, room};
 use scene::{bits, scene_of};
 use serde_json::{Value, json};
-use specula::film::{Aov, Film, Layout};
+use specula::film::{Aov, Film, Layout, NonFinite, SampleId};
 use specula::image::{Window, exr};
+use specula::integrator::Counters;
 use specula::render::{Outline, Part, Settings, Silent, Slice, order, outline, render};
 
 const OUTPUTS: &str = "direct,indirect,albedo,normal,geometric_normal,depth,position,uv,variance,samples,object_id,material_id,cryptomatte";
@@ -21,12 +22,16 @@ fn settings(slice: Option<Slice>, crop: Option<Window>) -> Settings {
     Settings { layout: Layout::with(Aov::ALL), slice, crop, ..Settings::default() }
 }
 
-/// The film of all parts with these settings, added in their order.
-fn merged(scene: &specula::scene::Scene, parts: impl Iterator<Item = Settings>) -> Film {
+/// The film of all parts with these settings, added in their order, and their rays.
+fn merged(scene: &specula::scene::Scene, parts: impl Iterator<Item = Settings>) -> (Film, Counters) {
+    let mut counters = Counters::default();
     let parts: Vec<(Outline, Film)> = parts
         .map(|settings| {
-            let film = render(scene, &settings, &Silent).expect("a part").film;
-            (outline(scene, &settings).expect("sound"), film)
+            let rendered = render(scene, &settings, &Silent).expect("a part");
+            let outline = outline(scene, &settings).expect("sound");
+            assert_eq!(rendered.statistics.first, outline.samples.start, "which samples");
+            counters += rendered.statistics.counters;
+            (outline, rendered.film)
         })
         .collect();
     let outlines: Vec<&Outline> = parts.iter().map(|(outline, _)| outline).collect();
@@ -34,7 +39,7 @@ fn merged(scene: &specula::scene::Scene, parts: impl Iterator<Item = Settings>) 
     let mut film = Film::new([width, height], Window::whole(width, height), outlines[0].layout.clone());
     film = film.named(parts[0].1.names().clone());
     order(&outlines).into_iter().for_each(|part| film.add(&parts[part].1));
-    film
+    (film, counters)
 }
 
 /// Asserts that two films agree to rounding, each channel relative to its greatest value.
@@ -60,13 +65,17 @@ fn slices_are_the_picture_within_rounding() {
         ("integrator = \"whitted\"\nspp = 48", 3),
         ("integrator = \"whitted\"\nquery = \"single\"\nspp = 7\nsampler = \"independent\"", 2),
         ("integrator = \"distribution\"\nspp = 6", 6),
+        ("two-pass\nspp = 12", 3),
+        ("two-pass\nintegrator = \"distribution\"\nspp = 7", 4),
     ] {
-        let scene = scene_of(&room(way));
-        let whole = render(&scene, &settings(None, None), &Silent).expect("a picture").film;
+        let text = way.strip_prefix("two-pass").map_or_else(|| room(way), fuzzy_room);
+        let scene = scene_of(&text);
+        let whole = render(&scene, &settings(None, None), &Silent).expect("a picture");
         let parts = (0..of).map(|index| settings(Some(Slice { index, of }), None));
-        let film = merged(&scene, parts);
-        assert_eq!(film.samples(), whole.samples(), "{way}");
-        assert_close(&film, &whole, way);
+        let (film, counters) = merged(&scene, parts);
+        assert_eq!(film.samples(), whole.film.samples(), "{way}");
+        assert_eq!(counters, whole.statistics.counters, "{way}: rays");
+        assert_close(&film, &whole.film, way);
     }
 }
 
@@ -76,12 +85,12 @@ fn crops_are_the_picture_to_the_bit() {
     let whole = render(&scene, &settings(None, None), &Silent).expect("a picture").film;
     let crops = [[0, 0, 20, 21], [20, 0, 37, 9], [20, 9, 37, 21]];
     let crops = crops.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
-    let film = merged(&scene, crops.iter().map(|&crop| settings(None, Some(crop))));
+    let (film, _) = merged(&scene, crops.iter().map(|&crop| settings(None, Some(crop))));
     assert!(bits(&film) == bits(&whole), "crops");
     let slices = |crop: &Window| [0, 1].map(|index| settings(Some(Slice { index, of: 2 }), Some(*crop)));
     let scene = scene_of(&room("integrator = \"path\"\nspp = 32"));
     let whole = render(&scene, &settings(None, None), &Silent).expect("a picture").film;
-    assert_close(&merged(&scene, crops.iter().flat_map(slices)), &whole, "crops in slices");
+    assert_close(&merged(&scene, crops.iter().flat_map(slices)).0, &whole, "crops in slices");
 }
 
 fn desk(spp: u32) -> Desk {
@@ -109,7 +118,7 @@ fn merge(desk: &Desk, parts: &[&str], more: &[&str]) -> (i32, String) {
 #[test]
 fn the_program_makes_parts_and_merges_them_in_any_order() {
     let desk = desk(32);
-    rendered(&desk, &["-o", "whole.exr", "-o", "whole.png"]);
+    rendered(&desk, &["-o", "whole.exr", "-o", "whole.png", "--stats", "whole.json"]);
     rendered(&desk, &["--slice", "0/3"]);
     rendered(&desk, &["--slice", "1/3", "-o", "b.part", "--stats", "b.json"]);
     rendered(&desk, &["--slice", "2/3", "-o", "c.part", "-o", "c.exr"]);
@@ -158,6 +167,8 @@ fn the_program_makes_parts_and_merges_them_in_any_order() {
     let stats: Value = serde_json::from_slice(&read("m.json")).expect("JSON");
     assert_eq!(stats["samples"], 37 * 21 * 32, "{stats}");
     assert_eq!(stats["parts"][0]["samples"], json!([0, 8]), "{stats}");
+    let single: Value = serde_json::from_slice(&read("whole.json")).expect("JSON");
+    assert_tells_as_much(&stats, &single);
     let cpu = |name: &str| {
         let stats: Value = serde_json::from_slice(&read(name)).expect("JSON");
         stats["phases"]["render"]["cpu_s"].as_f64().expect("a number")
@@ -167,6 +178,65 @@ fn the_program_makes_parts_and_merges_them_in_any_order() {
     let differs =
         preview("whole.png").iter().zip(preview("m.png").iter()).filter(|(a, b)| a.abs_diff(**b) > 1).count();
     assert_eq!(differs, 0, "the preview");
+}
+
+/// Statistics of a merged picture have all that those of one go have, but for what is not known of parts.
+fn assert_tells_as_much(merged: &Value, single: &Value) {
+    for (key, value) in single.as_object().expect("statistics") {
+        let is_told = |merged: &Value| merged.is_null() == value.is_null();
+        assert!(
+            key == "estimated_error" || merged.get(key).is_some_and(is_told),
+            "{key}: {value}: {merged:#}"
+        );
+    }
+    for key in
+        ["rays", "pruned", "samples", "sample_range", "spp", "seed", "bvh_bytes", "backend", "isa", "lanes"]
+    {
+        assert_eq!(merged[key], single[key], "{key}");
+    }
+    assert_eq!(merged["plan"], single["plan"], "the plan");
+    let parts = merged["parts"].as_array().expect("parts");
+    let of_parts = |key: &str| parts.iter().filter_map(|part| part[key].as_u64()).collect::<Vec<_>>();
+    assert_eq!(merged["peak_rss_bytes"].as_u64(), of_parts("peak_rss_bytes").into_iter().max(), "memory");
+    assert_eq!(merged["rays"]["total"].as_u64(), Some(of_parts("rays").into_iter().sum()), "rays");
+    let time = |of: &Value| of["wall_s"].as_f64().expect("a time");
+    let sum: f64 = parts.iter().map(|part| time(&part["render"])).sum();
+    assert!((time(&merged["phases"]["render"]) - sum).abs() < 1e-5, "times");
+    let rate = merged["samples_per_s"].as_f64().expect("a rate");
+    assert!((rate * sum / merged["samples"].as_f64().expect("samples") - 1.0).abs() < 1e-3, "rate {rate}");
+}
+
+#[test]
+fn slices_of_filtered_reflections_are_the_picture_and_name_their_samples() {
+    let desk = Desk::new();
+    std::fs::write(desk.path("a.toml"), fuzzy_room("spp = 10")).expect("written");
+    rendered(&desk, &["-o", "whole.exr", "--stats", "whole.json"]);
+    for index in 0..3 {
+        let [slice, part, exr, stats] = ["/3", ".part", ".exr", ".json"].map(|end| format!("{index}{end}"));
+        rendered(&desk, &["--slice", &slice, "-o", &part, "-o", &exr, "--stats", &stats]);
+    }
+    let stats = |name: &str| -> Value {
+        serde_json::from_slice(&std::fs::read(desk.path(name)).expect("there")).expect("JSON")
+    };
+    let picture = |name: &str| exr::read(&desk.path(name)).expect("readable");
+    for (index, [from, to]) in [[0, 3], [3, 6], [6, 10]].into_iter().enumerate() {
+        assert_eq!(stats(&format!("{index}.json"))["sample_range"], json!([from, to]), "statistics");
+        let told = format!("{from}..{to}");
+        assert_eq!(picture(&format!("{index}.exr")).attribute("specula:samples"), Some(&*told), "metadata");
+    }
+    let (status, said) = merge(&desk, &["2.part", "0.part", "1.part"], &["-o", "m.exr", "--stats", "m.json"]);
+    assert_eq!(status, 0, "{said}");
+    let [whole, joined] = ["whole.exr", "m.exr"].map(picture);
+    assert_eq!(joined.attribute("specula:samples"), Some("0..10"), "metadata");
+    for (one, other) in whole.channels.iter().zip(&joined.channels) {
+        assert_eq!(one.name, other.name, "channels");
+        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
+        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
+        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
+        assert!(worst <= 1e-5 * scale, "{worst} of {scale}");
+    }
+    assert_eq!(stats("whole.json")["rays"], stats("m.json")["rays"], "rays");
+    assert!(stats("m.json")["phases"]["filter"]["cpu_s"].as_f64().expect("a number") > 0.0, "filtering");
 }
 
 #[test]
@@ -230,12 +300,21 @@ fn three_hundred_parts_are_merged() {
     for index in 0..300 {
         let settings = settings(Some(Slice { index, of: 300 }), None);
         let rendered = render(&scene, &settings, &Silent).expect("a part");
+        // Two parts dropped a sample each.
+        let dropped = [7, 250].contains(&index).then_some(SampleId { y: 2, x: 3, index });
+        let lost: Vec<Value> = dropped
+            .iter()
+            .map(|_| json!({ "pixel": [3, 2], "index": index, "command": format!("see {index}") }))
+            .collect();
         let part = Part {
             outline: outline(&scene, &settings).expect("sound"),
-            film: rendered.film,
+            film: rendered.film.dropped(NonFinite::of(lost.len() as u64, dropped)),
             counters: rendered.statistics.counters,
             about: json!({ "scene": "the same" }),
-            told: json!({ "attributes": [["specula:time_render_s", "0.5"]] }),
+            told: json!({
+                "attributes": [["specula:time_render_s", "0.5"]],
+                "statistics": { "peak_rss_bytes": 1000 + index, "non_finite": { "first": lost } },
+            }),
         };
         let mut bytes = Vec::new();
         part.write(&mut bytes).expect("written");
@@ -243,8 +322,17 @@ fn three_hundred_parts_are_merged() {
         std::fs::write(desk.path(&names[index as usize]), bytes).expect("written");
     }
     let parts: Vec<&str> = names.iter().rev().map(String::as_str).collect();
-    let (status, said) = merge(&desk, &parts, &["-o", "m.exr"]);
+    let (status, said) = merge(&desk, &parts, &["-o", "m.exr", "--stats", "m.json"]);
     assert_eq!(status, 0, "{said}");
+    let stats = std::fs::read(desk.path("m.json")).expect("there");
+    let stats: Value = serde_json::from_slice(&stats).expect("JSON");
+    assert_eq!(stats["peak_rss_bytes"], 1299, "the most of memory");
+    let sample = |index: u32| json!({ "pixel": [3, 2], "index": index, "command": format!("see {index}") });
+    assert_eq!(
+        stats["non_finite"],
+        json!({ "count": 2, "first": [sample(7), sample(250)] }),
+        "with commands"
+    );
     let picture = exr::read(&desk.path("m.exr")).expect("readable");
     assert_eq!(picture.attribute("specula:time_render_s"), Some("150"), "times add up");
     let whole = render(&scene, &settings(None, None), &Silent).expect("a picture").film;

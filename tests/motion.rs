@@ -345,6 +345,96 @@ fn a_camera_that_moves_is_a_world_that_moves_the_other_way() {
     assert!(rmse(&a, &still) > 10.0 * noise, "the motion shows");
 }
 
+/// A plate that turns from facing the viewer by this many degrees, about an axis that its middle stays on, seen there.
+fn turning_plate(render: &str, material: &str, lights: &str) -> [f64; 3] {
+    let scene = scene_of(&format!(
+        r#"
+        [camera]
+        from = [0.0, 0.0, 5.0]
+        at = [0.0, 0.0, 0.0]
+        vfov_deg = 0.02
+        shutter_close_s = 1.0
+        [film]
+        width = 4
+        height = 4
+        filter = "box"
+        [render]
+        {render}
+        spp = 1024
+        max_depth = 3
+        [materials.plate]
+        {material}
+        [[shapes]]
+        type = "rectangle"
+        edge_u = [1.0, 0.0, 0.0]
+        edge_v = [0.0, 1.0, 0.0]
+        material = "plate"
+        keys = [
+            {{ time_s = 0.0 }},
+            {{ time_s = 1.0, transform = [{{ rotate_deg = {TURN_DEG:?}, axis = [0.0, 1.0, 0.0] }}] }},
+        ]
+        {lights}
+        "#
+    ));
+    let channels = picture(&scene, 2, None);
+    [0, 1, 2].map(|k| channels[k].iter().map(|&value| f64::from(value)).sum::<f64>() / 16.0)
+}
+
+const TURN_DEG: f64 = 40.0;
+
+const WAYS: [&str; 4] = [
+    "integrator = 'whitted'",
+    "integrator = 'whitted'\nbackend = 'cwbvh'",
+    "integrator = 'path'",
+    "integrator = 'path'\nquery = 'single'",
+];
+
+/// The mirrored ray sweeps twice the angle, at constant speed: each lamp is seen for the part of the time that it fills of that.
+#[test]
+fn a_spinning_mirror_shows_each_lamp_for_its_share_of_the_angle() {
+    let lamps = [
+        ([10.0_f64, 30.0], "[1.0, 0.0, 0.0]"),
+        ([30.0, 50.0], "[0.0, 2.0, 0.0]"),
+        ([50.0, 75.0], "[0.0, 0.0, 3.0]"),
+    ];
+    let lights: String = lamps
+        .iter()
+        .map(|([from, to], radiance)| {
+            let (sin, cos) = ((from + to) / 2.0).to_radians().sin_cos();
+            let half = 3.0 * ((to - from) / 2.0).to_radians().tan();
+            format!(
+                "[[lights]]\ntype = 'rectangle'\ncenter = [{:?}, 0.0, {:?}]\nedge_u = [{:?}, 0.0, {:?}]\n\
+                 edge_v = [0.0, -1.0, 0.0]\nradiance = {radiance}\n",
+                3.0 * sin,
+                3.0 * cos,
+                half * cos,
+                -half * sin
+            )
+        })
+        .collect();
+    for render in WAYS {
+        let found = turning_plate(render, "type = 'mirror'\nreflectance = 0.5", &lights);
+        for (found, (([from, to], _), radiance)) in found.into_iter().zip(lamps.iter().zip([1.0, 2.0, 3.0])) {
+            let exact = 0.5 * radiance * (to - from) / (2.0 * TURN_DEG);
+            assert!((found - exact).abs() < 2e-3 * radiance, "{render}, {from} to {to}: {found} for {exact}");
+        }
+    }
+}
+
+/// A matt plate in parallel light from the viewer's side: the mean of the cosine.
+#[test]
+fn a_spinning_plate_is_lit_by_the_mean_of_its_cosine() {
+    let sun = "[[lights]]\ntype = 'directional'\ndirection = [0.0, 0.0, -1.0]\nirradiance = 3.0";
+    let turn = TURN_DEG.to_radians();
+    let exact = 0.6 / std::f64::consts::PI * 3.0 * turn.sin() / turn;
+    for render in WAYS {
+        let found = turning_plate(render, "type = 'diffuse'\nreflectance = 0.6", sun);
+        for value in found {
+            assert!((value / exact - 1.0).abs() < 3e-4, "{render}: {value} for {exact}");
+        }
+    }
+}
+
 /// A glass box that the camera leaves while the shutter is open is around it for that part of the time only.
 #[test]
 fn media_around_the_camera_change_on_its_way() {

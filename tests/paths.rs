@@ -278,7 +278,7 @@ fn paths_and_trees_agree_where_both_have_all_of_the_light() {
 #[test]
 fn extremes_give_numbers() {
     let file = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/extremes.toml");
-    for integrator in ["path", "whitted"] {
+    for integrator in ["path", "whitted", "distribution"] {
         for query in ["single", "stream"] {
             let settings = [
                 format!("render.integrator={integrator}"),

@@ -133,6 +133,8 @@ fn what_cannot_be_is_refused() {
     assert!(said.contains("no first pass in it") && said.contains("--aov gbuffer"), "{said}");
     let said = refused(&folder, &["render", "scene.toml", "--glossy", "lobe", "--aov", "gbuffer"]);
     assert!(said.contains("two-pass"), "{said}");
+    let said = refused(&folder, &["render", "scene.toml", "-o", "a.part", "-o", "a.png", "--aov", "gbuffer"]);
+    assert!(said.contains("`gbuffer` without an EXR file") && said.contains("-o FILE.exr"), "{said}");
     let said = refused(&folder, &["render", "scene.toml", "--integrator", "path"]);
     assert!(said.contains("`path`") && said.contains("whitted"), "{said}");
     let said = refused(&folder, &["render", "scene.toml", "--target-error", "0.1"]);

@@ -50,6 +50,33 @@ fn a_picture_that_time_ended_is_that_of_its_samples() {
     }
 }
 
+/// All samples would take ten times as long and more, so that a limit that is not kept shows however busy the machine is.
+#[test]
+fn time_ends_a_picture_in_time() {
+    const LIMIT: f64 = 0.5;
+    for (integrator, query, more) in [
+        ("path", "stream", ""),
+        ("path", "single", ""),
+        ("whitted", "stream", ""),
+        ("whitted", "single", "glossy = \"two-pass\""),
+    ] {
+        let settings = format!("integrator = \"{integrator}\"\nquery = \"{query}\"\n{more}");
+        let text =
+            room(&settings).replace("width = 37", "width = 240").replace("height = 21", "height = 160");
+        let stopped = rendered(&text, seconds(LIMIT));
+        assert_eq!(stopped.statistics.ended, Ended::Time, "{settings}");
+        let [_, most] = stopped.film.samples_of_pixels();
+        let took = stopped.statistics.render.wall.as_secs_f64();
+        println!("{integrator}, {query}, {more}: {most} samples in {took:.2} s, of {LIMIT}");
+        // An idle machine is late by a thirtieth; a busy one has been seen to stop a thread for a second.
+        assert!(took < 1.25 * LIMIT + 4.0, "{settings}: {took} s");
+        assert!(
+            f64::from(1 << 16) / f64::from(most) * took > 10.0 * LIMIT,
+            "{settings}: all samples take much longer"
+        );
+    }
+}
+
 #[test]
 fn time_that_is_not_needed_changes_nothing() {
     for sampler in ["sobol", "stratified", "blue_noise"] {

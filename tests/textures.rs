@@ -3,6 +3,8 @@
 
 #![expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes and texels are small")]
 
+#[path = "support/desk.rs"]
+mod desk;
 #[path = "support/folder.rs"]
 mod folder;
 #[path = "support/random.rs"]
@@ -11,7 +13,8 @@ mod random;
 use folder::{Folder, WAYS, close, picture, square};
 use image::{RgbImage, RgbaImage};
 use random::Random;
-use specula::image::{Pixels, Raster, read_raster};
+use specula::image::exr::{self, Channel as Layer, Picture, Samples};
+use specula::image::{Pixels, Raster, Window, read_raster};
 use specula::math::Rgb;
 use specula::math::lanes::{Isa, Kernel, Lanes, Level};
 use specula::texture::{Bitmap, Channel, Mapped, Scalar, Space, Spot, Texture, Wrap};
@@ -323,37 +326,140 @@ fn a_file_used_twice_is_loaded_once_and_counted() {
     assert_eq!(folder.scene(&three).textures.len(), 2, "light is another picture");
 }
 
+/// Keys of a matt or metal square that name a picture, the material without that key, and what becomes of the surface.
+const WITHOUT: [[&str; 4]; 6] = [
+    [
+        "type = 'diffuse'",
+        "reflectance = { file = 'FILE', factor = 0.2 }",
+        "reflectance = 0.5",
+        "the surface is made gray",
+    ],
+    ["type = 'emission'", "radiance = { file = 'FILE' }", "radiance = 0", "the surface does not shine by it"],
+    ["type = 'conductor'\nmetal = 'Au'", "alpha = { file = 'FILE' }", "", "the surface is left polished"],
+    ["type = 'diffuse'", "normal_map = { file = 'FILE' }", "", "the surface is left even"],
+    ["type = 'diffuse'", "bump = { file = 'FILE' }", "", "the surface is left even"],
+    ["type = 'diffuse'", "opacity = { file = 'FILE' }", "", "the surface is left whole"],
+];
+
 #[test]
-fn missing_and_damaged_files_are_told_with_their_place() {
+fn missing_and_damaged_files_are_warned_of_with_their_place_and_made_up_for() {
     let folder = Folder::new();
-    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"for.png\" }");
-    let message = folder.load(&text).expect_err("missing");
-    let line = text.lines().position(|line| line.contains("for.png")).expect("there") + 1;
-    assert!(message.contains(&format!("scene.toml:{line}:")), "{message}");
-    assert!(message.contains("no such file") && message.contains("did you mean `four.png`?"), "{message}");
     std::fs::write(folder.path().join("bad.png"), b"rubbish").expect("written");
-    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"bad.png\" }");
-    let message = folder.load(&text).expect_err("damaged");
-    assert!(message.contains(&format!("scene.toml:{line}:")), "{message}");
-    assert!(message.contains("not a sound PNG picture"), "{message}");
-    let text = square(WAYS[0], "type = \"diffuse\"\nreflectance = { file = \"four.png\", wrap = \"round\" }");
-    let message = folder.load(&text).expect_err("no such mode");
-    assert!(message.contains("`wrap` is `round`"), "{message}");
+    for (file, told) in [("for.png", "no such file"), ("bad.png", "not a sound PNG picture")] {
+        for [material, key, without, what] in WITHOUT {
+            let key = key.replace("FILE", file);
+            let text = square(WAYS[0], &format!("{material}\n{key}"));
+            let built = folder.load(&text).expect("a scene");
+            let line = text.lines().position(|line| line.contains(file)).expect("there");
+            let column =
+                text.lines().nth(line).and_then(|line| line.find(&format!("'{file}'"))).expect("there");
+            let [warning] = &built.warnings[..] else { panic!("{key}: {:?}", built.warnings) };
+            let warning = warning.to_string();
+            assert!(
+                warning.contains(&format!("scene.toml:{}:{}: ", line + 1, column + 1)),
+                "{key}: {warning}"
+            );
+            assert!(
+                warning.contains(told) && warning.contains(file) && warning.ends_with(what),
+                "{key}: {warning}"
+            );
+            assert_eq!(warning.contains("did you mean `four.png`?"), file == "for.png", "{key}: {warning}");
+            let plain = folder.scene(&square(WAYS[0], &format!("{material}\n{without}")));
+            assert_eq!(built.scene.materials, plain.materials, "{key}: as without it");
+            assert!(built.scene.textures.is_empty(), "{key}: nothing to look up");
+            if what.contains("gray") {
+                for way in WAYS {
+                    let built = folder.load(&square(way, &format!("{material}\n{key}"))).expect("a scene");
+                    let shown = picture(&built.scene).pixel(8, 8);
+                    assert!(
+                        close(shown, Rgb::gray(0.5), 0.1),
+                        "{way}: visible, whatever the factor: {shown:?}"
+                    );
+                }
+            }
+        }
+    }
+    // Two surfaces by one file are one warning.
+    let two = square(WAYS[0], "type = 'diffuse'\nreflectance = { file = 'for.png' }")
+        + "[materials.n]\ntype = 'mirror'\nreflectance = { file = './for.png' }";
+    assert_eq!(folder.load(&two).expect("a scene").warnings.len(), 1, "told once");
+}
+
+#[test]
+fn what_is_no_picture_or_is_a_light_is_refused_with_its_place() {
+    let folder = Folder::new();
+    std::fs::write(folder.path().join("bad.exr"), b"rubbish").expect("written");
+    let refused = |text: &str, told: &[&str]| {
+        let message = folder.load(text).expect_err("refused");
+        assert!(told.iter().all(|told| message.contains(told)), "{told:?}: {message}");
+    };
+    let matt = |texture: &str| square(WAYS[0], &format!("type = 'diffuse'\nreflectance = {texture}"));
+    refused(&matt("{ file = 'four.png', wrap = 'round' }"), &["`wrap` is `round`"]);
+    refused(&matt("{ file = 'lost.tif' }"), &["scene.toml:", "`", "lost.tif` is of an unknown format"]);
+    refused(&matt("{ file = '.' }"), &["scene.toml:", "is a directory"]);
+    for (file, told) in
+        [("lost.exr", "scene.toml:3:8: no such file"), ("bad.exr", "bad.exr: not a sound EXR file")]
+    {
+        refused(&format!("[[lights]]\ntype = 'environment'\nfile = '{file}'\n"), &[told]);
+    }
+}
+
+#[test]
+fn the_program_renders_without_a_missing_picture_and_tells() {
+    let desk = desk::Desk::new();
+    let text = square(WAYS[1], "type = 'diffuse'\nreflectance = { file = 'lost.png' }");
+    std::fs::write(desk.path("a.toml"), &text).expect("a scene");
+    let (status, _, said) = desk.run(&["render", "a.toml", "-o", "a.exr", "--stats", "a.json"]);
+    assert_eq!(status, 0, "{said}");
+    let line = text.lines().position(|line| line.contains("lost.png")).expect("there") + 1;
+    let place = format!("a.toml:{line}:");
+    assert!(said.contains(&place) && said.contains("no such file `lost.png`"), "{said}");
+    assert!(said.contains("the surface is made gray"), "{said}");
+    let stats = std::fs::read_to_string(desk.path("a.json")).expect("written");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    let warning = stats["plan"]["warnings"][0].as_str().expect("a warning");
+    assert!(warning.contains(&place) && warning.contains("lost.png"), "{warning}");
+    let (status, told, _) = desk.run(&["plan", "a.toml"]);
+    assert!(status == 0 && told.contains(&place) && told.contains("made gray"), "{status}: {told}");
 }
 
 #[test]
 fn all_kinds_of_files_are_read() {
     let folder = Folder::new();
+    let path = |name: &str| folder.path().join(name);
     let color = image::Rgb([200, 100, 50]);
-    RgbImage::from_pixel(16, 16, color).save(folder.path().join("a.jpg")).expect("written");
-    RgbaImage::from_pixel(3, 3, image::Rgba([9, 8, 7, 6]))
-        .save(folder.path().join("a.png"))
-        .expect("written");
-    assert!(read_raster(&folder.path().join("a.png")).expect("read").has_alpha, "coverage");
-    let material = "type = \"diffuse\"\nreflectance = { file = \"a.jpg\" }";
-    let found = picture(&folder.scene(&square(WAYS[0], material))).pixel(8, 8);
-    // The light of bytes 200, 100 and 50, give or take two.
-    assert!(close(found, Rgb::new(0.578, 0.127, 0.0319), 0.013), "{found:?}");
+    RgbImage::from_pixel(16, 16, color).save(path("a.jpg")).expect("written");
+    RgbaImage::from_pixel(3, 3, image::Rgba([9, 8, 7, 6])).save(path("b.png")).expect("written");
+    assert!(read_raster(&path("b.png")).expect("read").has_alpha, "coverage");
+    RgbImage::from_pixel(16, 16, color).save(path("a.png")).expect("written");
+    // The light of those bytes, by the curve of sRGB.
+    let light = [200.0_f64, 100.0, 50.0].map(|byte| ((byte / 255.0 + 0.055) / 1.055).powf(2.4) as f32);
+    let plane = |value: f32| vec![value; 256];
+    for (name, half) in [("float.exr", false), ("half.exr", true)] {
+        let samples =
+            |value: f32| if half { Samples::Half(plane(value)) } else { Samples::Float(plane(value)) };
+        let channel = |(name, value): (&str, f32)| Layer { name: name.to_owned(), samples: samples(value) };
+        let channels = ["R", "G", "B"].into_iter().zip(light).map(channel).collect();
+        let window = Window::whole(16, 16);
+        let picture =
+            Picture { full: [16, 16], window, channels, attributes: Vec::new(), warnings: Vec::new() };
+        exr::write(&path(name), picture).expect("written");
+    }
+    let hdr = std::fs::File::create(path("a.hdr")).expect("made");
+    let pixels = vec![image::Rgb(light); 256];
+    image::codecs::hdr::HdrEncoder::new(hdr).encode(&pixels, 16, 16).expect("written");
+    // Bytes are exact, and as good as exact in whole floats; JPEG is off by two of them; halves have eleven bits, and HDR eight for its
+    // greatest channel, the same step for the others.
+    for (name, tolerance) in
+        [("a.png", 1e-5), ("a.jpg", 0.013), ("float.exr", 1e-5), ("half.exr", 5e-4), ("a.hdr", 4e-3)]
+    {
+        let material = format!("type = \"diffuse\"\nreflectance = {{ file = \"{name}\" }}");
+        for way in &WAYS[..2] {
+            let found = picture(&folder.scene(&square(way, &material))).pixel(8, 8);
+            let [r, g, b] = light;
+            assert!(close(found, Rgb::new(r, g, b), tolerance), "{name}, {way}: {found:?} for {light:?}");
+        }
+    }
 }
 
 /// A square that shines by a picture, seen from the front, and a white floor below it that only it lights.

@@ -1,6 +1,9 @@
 //! The command line as typed: words, and help beside them.
 
 mod batch;
+mod farm;
+
+pub use farm::{FarmArgs, FarmCommonArgs, FarmEngine, Farmed, OpenJdArgs, SlurmArgs};
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
@@ -39,6 +42,8 @@ pub enum Command {
     Batch(Box<BatchArgs>),
     /// Join slices or crops into one picture
     Merge(Box<MergeArgs>),
+    /// Have many machines render slices of a picture and merge them, through an engine that runs jobs
+    Farm(FarmArgs),
     /// Measure how far a picture is from its reference
     Diff(Box<DiffArgs>),
     /// Make fuzzy reflections again from a saved first pass, with another roughness and no ray
@@ -143,11 +148,11 @@ pub struct RenderArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(LightChoice::ALL, LightChoice::word))]
     pub light_choice: Option<String>,
 
-    /// Shadow rays to each light that has a size, at the first hits of a camera ray
+    /// Shadow rays of the ray tree to each light that has a size, at the first hits of a camera ray
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub light_samples: Option<String>,
 
-    /// Rays of each glossy lobe, at the first hits of a camera ray
+    /// Rays of the ray tree for each glossy lobe, at the first hits of a camera ray
     #[arg(long, value_name = "M", allow_negative_numbers = true)]
     pub glossy_samples: Option<String>,
 

@@ -50,10 +50,10 @@ pub(super) fn man(dir: Option<&Path>) -> Result<()> {
     output::print(names.as_bytes())
 }
 
-/// The command and its subcommands, which have got their full names by being built.
+/// The command and its subcommands, and theirs, which have got their full names by being built.
 fn pages(command: clap::Command) -> Vec<clap::Command> {
     let subcommands = command.get_subcommands().filter(|sub| sub.get_name() != "help").cloned();
-    let subcommands: Vec<_> = subcommands.collect();
+    let subcommands: Vec<_> = subcommands.flat_map(pages).collect();
     std::iter::once(command).chain(subcommands).collect()
 }
 

@@ -17,6 +17,8 @@ pub(super) struct Frozen {
     pub(super) path: PathBuf,
     /// What was odd about its files, but not wrong.
     pub(super) warnings: Vec<Problem>,
+    /// Pictures that its file names and that could not be read: among the warnings.
+    pub(super) unread: Vec<Problem>,
     /// What tells its description from others.
     pub(super) hash: String,
     /// What its files say.
@@ -45,11 +47,12 @@ impl Frozen {
     ) -> Result<Self> {
         let Loaded { description, mut warnings } = loaded;
         let (description, frame) = at_frame(description, frame);
-        let Built { scene, origins, files, warnings: more } =
+        let Built { scene, origins, files, warnings: more, unread } =
             scene::build_from(&description, library).inspect_err(|_| log::warn(&warnings))?;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
-        Ok(Self { scene, path: path.to_owned(), warnings, hash, description, files, frame, origins })
+        let path = path.to_owned();
+        Ok(Self { scene, path, warnings, unread, hash, description, files, frame, origins })
     }
 
     /// Becomes another frame of the same scene, if nothing but the camera moves and the files are the same; else says that it cannot.

@@ -36,12 +36,17 @@ pub(super) struct Kept<'a> {
 
 impl<'a> Kept<'a> {
     /// In a file, of what `about` says and these options choose.
-    pub(super) fn new(checkpoints: &'a Checkpoints, options: &RenderOptions, mut about: Value) -> Self {
+    pub(super) fn new(
+        checkpoints: &'a Checkpoints,
+        options: &RenderOptions,
+        (scene, mut about): (&scene::Scene, Value),
+    ) -> Result<Self> {
         let corners = |Window { x0, y0, x1, y1 }| [x0, y0, x1, y1];
         about["crop"] = options.crop.map_or(Value::Null, |window| json!(corners(window)));
         about["slice"] = options.slice.map(|slice| format!("{}/{}", slice.index, slice.of)).into();
         about["instruction_set"] = render::lanes().into();
-        Self { checkpoints, about }
+        about["backend"] = render::backend(scene)?.into();
+        Ok(Self { checkpoints, about })
     }
 
     /// What is there to go on from, if anything. Fails if it is of something else, or is not to be gone on from.

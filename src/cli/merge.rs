@@ -1,6 +1,7 @@
 //! The command `merge`.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use serde_json::{Value, json};
 
@@ -52,7 +53,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         }
     }
     if let Some(path) = &options.stats {
-        write_json(path, &merged.report(&options))?;
+        write_json(path, &merged.report(&options, merging))?;
     }
     let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
     output::print(paths.map(|path| format!("{}\n", path.display())).collect::<String>().as_bytes())
@@ -233,13 +234,13 @@ impl Merged {
         Some(match key.strip_prefix("specula:").unwrap_or(key) {
             "spp" => most.to_string(),
             "samples" => format!("0..{most}"),
-            "time_load_s" | "time_build_s" | "time_render_s" | "cpu_render_s" => {
+            "time_load_s" | "time_build_s" | "time_render_s" | "cpu_render_s" | "cpu_filter_s" => {
                 ((numbers().sum::<f64>() * 1e6).round() / 1e6).to_string()
             }
             "threads" | "peak_memory_bytes" => numbers().fold(0.0, f64::max).to_string(),
             "non_finite_samples" => self.film.non_finite().count().to_string(),
             "clamped_part" => self.counters.clamped_part().to_string(),
-            "backend" | "isa" | "ended_by" | "query" => distinct(self.all(key)),
+            "backend" | "isa" | "lanes" | "filter_lanes" | "ended_by" | "query" => distinct(self.all(key)),
             // Of one part alone.
             "samples_min" | "samples_mean" | "estimated_relmse" | "estimated_relmse_bound" => return None,
             _ => value.to_owned(),
@@ -261,45 +262,109 @@ impl Merged {
         Development { exposure_ev, curve: if is_clip { Curve::Clip } else { Curve::Filmic } }
     }
 
-    /// Everything counted and timed, all parts together.
-    fn report(&self, options: &MergeOptions) -> Value {
-        let phase = |name: &str, clock: &str| {
-            let of =
-                |(told, _, _): &(Value, Outline, PathBuf)| told["statistics"]["phases"][name][clock].as_f64();
-            let sum: f64 = self.told.iter().filter_map(of).sum();
-            (sum * 1e6).round() / 1e6
+    /// What parts tell of themselves.
+    fn told(&self) -> impl Iterator<Item = &Value> {
+        self.told.iter().map(|(told, _, _)| &told["statistics"])
+    }
+
+    /// Everything counted and timed, all parts together: sums of times and rays, the most of memory, each word once. Rates are those of a
+    /// part on average: when which part was made is not known.
+    fn report(&self, options: &MergeOptions, merging: Phase) -> Value {
+        let first = self.told().next().cloned().unwrap_or_default();
+        let words = |key: &str| {
+            let words = distinct(self.told().filter_map(|it| it[key].as_str()));
+            (!words.is_empty()).then_some(words)
         };
-        let phases = ["load", "build", "render"].map(|name| {
-            (name.to_owned(), json!({ "wall_s": phase(name, "wall_s"), "cpu_s": phase(name, "cpu_s") }))
-        });
-        let part = |(_, outline, path): &(Value, Outline, PathBuf)| {
-            let Window { x0, y0, x1, y1 } = outline.window;
-            let samples = [outline.samples.start, outline.samples.end];
-            json!({ "file": path.display().to_string(), "crop": [x0, y0, x1, y1], "samples": samples })
-        };
-        let ([least, most], window) = (self.film.samples_of_pixels(), self.film.window());
-        let non_finite = self.film.non_finite();
-        let sample = |&SampleId { y, x, index }: &SampleId| json!({ "pixel": [x, y], "index": index });
+        let most = |key: &str| self.told().filter_map(|it| it[key].as_u64()).max();
+        let phases = self.phases(merging);
+        let rendering = phases["render"]["wall_s"].as_f64().unwrap_or(0.0);
+        let rendering = Duration::try_from_secs_f64(rendering).unwrap_or_default();
+        let ([least, most_samples], window) = (self.film.samples_of_pixels(), self.film.window());
+        let samples = self.film.samples();
         json!({
             "version": env!("CARGO_PKG_VERSION"),
+            "scene": first["scene"],
             "scene_hash": self.scene_hash,
             "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
             "parts": self.told.iter().map(part).collect::<Vec<_>>(),
+            "integrator": first["integrator"],
+            "backend": words("backend"),
+            "isa": words("isa"),
+            "lanes": words("lanes"),
+            "filter_lanes": words("filter_lanes"),
+            "query": words("query"),
+            "threads": most("threads"),
             "width": self.film.full()[0],
             "height": self.film.full()[1],
             "crop": [window.x0, window.y0, window.x1, window.y1],
-            "spp": most,
-            "samples_per_pixel": { "min": least, "mean": self.mean(), "max": most },
-            "phases": phases.into_iter().collect::<serde_json::Map<_, _>>(),
-            "samples": self.film.samples(),
+            "spp": most_samples,
+            "sample_range": [0, most_samples],
+            "samples_per_pixel": { "min": least, "mean": self.mean(), "max": most_samples },
+            "ended_by": words("ended_by"),
+            "time_limit_s": first["time_limit_s"],
+            "target_error": first["target_error"],
+            "seed": first["seed"],
+            "phases": phases,
+            "samples": samples,
+            "samples_per_s": statistics::rate(samples, rendering),
             "rays": statistics::rays(&self.counters),
+            "rays_per_s": statistics::rate(self.counters.rays(), rendering),
             "pruned": statistics::pruned(&self.counters),
+            "clamped": first["clamped"]["limit"].as_f64().map(|limit| {
+                statistics::clamped_by(limit, &self.counters, samples)
+            }),
+            "peak_rss_bytes": most("peak_rss_bytes"),
+            "bvh_bytes": most("bvh_bytes"),
+            "texture_bytes": most("texture_bytes"),
             "non_finite": {
-                "count": non_finite.count(),
-                "first": non_finite.first().iter().map(sample).collect::<Vec<_>>(),
+                "count": self.film.non_finite().count(),
+                "first": self.film.non_finite().first().iter().map(|&s| self.dropped(s)).collect::<Vec<_>>(),
             },
+            "plan": first["plan"],
         })
     }
+
+    /// Times of all parts added up, and that of merging.
+    fn phases(&self, merging: Phase) -> Value {
+        let time = |name: &str, clock: &str| {
+            let sum: f64 = self.told().filter_map(|it| it["phases"][name][clock].as_f64()).sum();
+            (sum * 1e6).round() / 1e6
+        };
+        let phase = |name: &str| json!({ "wall_s": time(name, "wall_s"), "cpu_s": time(name, "cpu_s") });
+        json!({
+            "load": phase("load"),
+            "build": phase("build"),
+            "render": phase("render"),
+            "filter": phase("filter"),
+            "merge": statistics::phase(merging),
+        })
+    }
+
+    /// A sample that was dropped, with the command that its part tells to see it again.
+    fn dropped(&self, SampleId { y, x, index }: SampleId) -> Value {
+        let (pixel, index) = (json!([x, y]), json!(index));
+        let all = self.told().filter_map(|it| it["non_finite"]["first"].as_array()).flatten();
+        let same = all.into_iter().find(|it| it["pixel"] == pixel && it["index"] == index);
+        json!({ "pixel": pixel, "index": index, "command": same.map(|it| &it["command"]) })
+    }
+}
+
+/// A part: which it is, and how it was made.
+fn part((told, outline, path): &(Value, Outline, PathBuf)) -> Value {
+    let Window { x0, y0, x1, y1 } = outline.window;
+    let its = &told["statistics"];
+    json!({
+        "file": path.display().to_string(),
+        "crop": [x0, y0, x1, y1],
+        "samples": [outline.samples.start, outline.samples.end],
+        "backend": its["backend"],
+        "isa": its["isa"],
+        "lanes": its["lanes"],
+        "threads": its["threads"],
+        "render": its["phases"]["render"],
+        "rays": its["rays"]["total"],
+        "peak_rss_bytes": its["peak_rss_bytes"],
+    })
 }
 
 /// Each word once.

@@ -9,6 +9,7 @@ mod batch;
 mod bench;
 mod diff;
 mod documents;
+mod farm;
 mod frames;
 mod frozen;
 mod fuzzy;
@@ -32,8 +33,9 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel,
-    ManArgs, MergeArgs, PlanArgs, RenderArgs, SchemaArgs, SchemaOf,
+    Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine,
+    Farmed, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs,
+    SchemaArgs, SchemaOf, SlurmArgs,
 };
 
 use crate::error::{Error, Result};
@@ -54,6 +56,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Plan(args) => plan::run(&args),
         Command::Batch(args) => batch::run(&args),
         Command::Merge(args) => merge::run(&args),
+        Command::Farm(args) => farm::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),

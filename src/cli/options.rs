@@ -2,11 +2,13 @@
 
 mod batch;
 mod bench;
+mod farm;
 mod fuzzy;
 mod merge;
 
 pub(super) use batch::BatchOptions;
 pub(super) use bench::BenchOptions;
+pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
 
@@ -89,6 +91,9 @@ impl RenderOptions {
             if others[..i].iter().any(is_taken) || checked.iter().any(|output| is_taken(&output.path)) {
                 problems.push(twice(path));
             }
+        }
+        if args.aov.iter().any(|name| name == FIRST_PASS) {
+            check_first_pass(args.checkpoint.is_some(), &checked, &mut problems);
         }
         let targets = checked.iter().map(|output| &output.path).chain(&others);
         targets.for_each(|target| spare([&args.scene], target, &mut problems));
@@ -328,6 +333,18 @@ fn checkpoint(args: &RenderArgs, problems: &mut Problems) -> Option<Checkpoints>
 
 /// Between copies, where nobody says.
 const EVERY: Duration = Duration::from_secs(60);
+
+/// What filtered reflections are filtered from has room in EXR files only.
+fn check_first_pass(is_kept: bool, outputs: &[Output], problems: &mut Problems) {
+    if is_kept {
+        let what = format!("`--checkpoint` beside the output `{FIRST_PASS}`, which no checkpoint holds");
+        problems.push(on_command_line(what).remedy("leave out one of them"));
+    }
+    if outputs.iter().all(|output| output.format != Format::Exr) {
+        let what = format!("the output `{FIRST_PASS}` without an EXR file, which alone can hold it");
+        problems.push(on_command_line(what).remedy("name one by -o FILE.exr"));
+    }
+}
 
 /// Files to write, each once.
 fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Output> {

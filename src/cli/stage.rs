@@ -83,7 +83,9 @@ impl Stage {
         if progress.is_cancelled() {
             return Err(Error::Interrupted);
         }
-        let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, options, about.clone()));
+        let Some(Last { frozen, .. }) = &self.last else { return Err(gone()) };
+        let of = || (&frozen.scene, about.clone());
+        let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, options, of())).transpose()?;
         let begin = kept.as_ref().map_or(Ok(None), |kept| match kept.begin() {
             Err(error) if order.is_lenient => {
                 tracing::warn!("{}; beginning anew", super::chain(&error));
@@ -93,7 +95,6 @@ impl Stage {
         })?;
         let settings = settings(options, order.start);
         let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-        let Some(Last { frozen, .. }) = &self.last else { return Err(gone()) };
         let kept_copies = render::Kept { begin, keeper };
         let rendered = self.studio.render(&frozen.scene, &settings, progress, kept_copies)?;
         Ok(Made { rendered, about, settings, load, kept })

@@ -9,9 +9,10 @@ use super::frozen::Frozen;
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::{ChosenLights, Counters};
+use crate::math::lanes::Level;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
-use crate::scene::description::{FuzzyBy, Integrator, Knob};
+use crate::scene::description::{FuzzyBy, Integrator, Knob, Render};
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -42,8 +43,11 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         ("min_throughput", settings.min_throughput.to_string()),
         ("roulette", settings.roulette.to_string()),
         ("clamp_indirect", settings.clamp_indirect.to_string()),
+        ("fresnel", settings.fresnel.word().to_owned()),
+        ("glossy", settings.glossy.word().to_owned()),
         ("backend", statistics.backend.clone()),
         ("isa", statistics.isa.clone()),
+        ("lanes", lanes(render::shading(scene))),
         ("threads", statistics.threads.to_string()),
         ("time_load_s", seconds(load.wall).to_string()),
         ("time_build_s", seconds(statistics.build.wall).to_string()),
@@ -58,18 +62,13 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         entries
             .extend([("estimated_relmse", error.to_string()), ("estimated_relmse_bound", bound.to_string())]);
     }
-    if settings.integrator == Integrator::Path {
-        let lights = ChosenLights::of(scene);
-        entries.push(("light_choice", lights.choice.word().to_owned()));
-    }
+    entries.extend(knobs(scene));
     entries.push(("query", render::query(scene).query.word().to_owned()));
-    if settings.glossy != FuzzyBy::Lobe {
-        entries.push(("glossy", settings.glossy.word().to_owned()));
-    }
     if settings.glossy == FuzzyBy::TwoPass {
         entries.push(("fuzzy", settings.fuzzy.to_json().to_string()));
         entries.push(("exposure_ev", scene.film.exposure_ev.to_string()));
         entries.push(("tone", scene.film.tone.word().to_owned()));
+        entries.push(("filter_lanes", lanes(render::level())));
         entries.push(("cpu_filter_s", seconds(statistics.filter.cpu).to_string()));
     }
     if settings.clamp_indirect != Knob::Off {
@@ -90,6 +89,40 @@ fn frame(frozen: &Frozen) -> impl Iterator<Item = (&'static str, String)> {
     let entries =
         |(frame, time_s): (i32, f64)| [("frame", frame.to_string()), ("frame_time_s", time_s.to_string())];
     frozen.frame.into_iter().flat_map(entries)
+}
+
+/// An instruction set of ours and how many lanes it has: `avx512 x 16`.
+fn lanes(level: Level) -> String {
+    format!("{} x {}", level.name(), level.width())
+}
+
+/// What paths alone, or ray trees alone, are told.
+fn knobs(scene: &Scene) -> Vec<(&'static str, String)> {
+    let settings = &scene.render;
+    let (is_path, is_tree) = (settings.integrator == Integrator::Path, is_tree(settings));
+    let of_paths = || {
+        let choice = ChosenLights::of(scene).choice;
+        vec![("light_choice", choice.word().to_owned()), ("direct", settings.direct.word().to_owned())]
+    };
+    let of_trees = || {
+        vec![
+            ("light_samples", settings.light_samples().to_string()),
+            ("glossy_samples", settings.glossy_samples().to_string()),
+            ("split_depth", settings.split_depth.to_string()),
+        ]
+    };
+    if is_path {
+        of_paths()
+    } else if is_tree {
+        of_trees()
+    } else {
+        Vec::new()
+    }
+}
+
+/// Whether hits are split, as in ray trees alone.
+fn is_tree(settings: &Render) -> bool {
+    matches!(settings.integrator, Integrator::Whitted | Integrator::Distribution)
 }
 
 /// Which samples pixels have at most.
@@ -116,20 +149,28 @@ fn names(film: &Film) -> Vec<(String, String)> {
 /// Everything counted and timed.
 pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
     let scene = &frozen.scene;
+    let settings = &scene.render;
+    let is_tree = is_tree(settings);
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
     let window = rendered.film.window();
     let [least, most] = rendered.film.samples_of_pixels();
-    json!({
+    let mut report = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": options.scene.display().to_string(),
         "scene_hash": frozen.hash,
-        "frame": frozen.frame.map(|(frame, _)| frame),
-        "frame_time_s": frozen.frame.map(|(_, time_s)| time_s),
         "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
-        "integrator": scene.render.integrator.word(),
+        "integrator": settings.integrator.word(),
+        "fresnel": settings.fresnel.word(),
+        "glossy": settings.glossy.word(),
+        "direct": (settings.integrator == Integrator::Path).then(|| settings.direct.word()),
+        "light_samples": is_tree.then(|| settings.light_samples()),
+        "glossy_samples": is_tree.then(|| settings.glossy_samples()),
+        "split_depth": is_tree.then_some(settings.split_depth),
         "backend": statistics.backend,
         "isa": statistics.isa,
+        "lanes": lanes(render::shading(scene)),
+        "filter_lanes": (settings.glossy == FuzzyBy::TwoPass).then(|| lanes(render::level())),
         "query": render::query(scene).query.word(),
         "threads": statistics.threads,
         "width": scene.film.width,
@@ -142,7 +183,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
         "time_limit_s": options.limits.time.map(seconds),
         "target_error": options.limits.error,
         "estimated_error": statistics.estimate.map(|it| json!({ "relmse": it.error, "bound": it.bound })),
-        "seed": scene.render.seed,
+        "seed": settings.seed,
         "phases": {
             "load": phase(times.load),
             "build": phase(statistics.build),
@@ -164,7 +205,12 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
             "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, scene, s)).collect::<Vec<_>>(),
         },
         "plan": frozen.plan(),
-    })
+    });
+    if let Some((frame, time_s)) = frozen.frame {
+        report["frame"] = frame.into();
+        report["frame_time_s"] = time_s.into();
+    }
+    report
 }
 
 /// How many rays of each kind there were.
@@ -197,12 +243,17 @@ fn mean(rendered: &Rendered) -> f64 {
 }
 
 /// What a limit on indirect light took away, if there was one: the mean luminance of a sample, and the part of all light.
-#[expect(clippy::cast_precision_loss, reason = "a mean")]
 fn clamped(scene: &Scene, rendered: &Rendered) -> Option<Value> {
     let limit = scene.render.clamp_indirect.value()?;
-    let counters = &rendered.statistics.counters;
-    let luminance = counters.clamped / rendered.statistics.samples.max(1) as f64;
-    Some(json!({ "limit": limit, "luminance": luminance, "part": counters.clamped_part() }))
+    let statistics = &rendered.statistics;
+    Some(clamped_by(f64::from(limit), &statistics.counters, statistics.samples))
+}
+
+/// What that limit took away of so many samples.
+#[expect(clippy::cast_precision_loss, reason = "a mean")]
+pub(super) fn clamped_by(limit: f64, counters: &Counters, samples: u64) -> Value {
+    let luminance = counters.clamped / samples.max(1) as f64;
+    json!({ "limit": limit, "luminance": luminance, "part": counters.clamped_part() })
 }
 
 /// How many samples pixels have, in words.
@@ -248,7 +299,7 @@ pub(super) fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }
 
-fn phase(phase: Phase) -> Value {
+pub(super) fn phase(phase: Phase) -> Value {
     json!({ "wall_s": seconds(phase.wall), "cpu_s": seconds(phase.cpu) })
 }
 

@@ -28,7 +28,7 @@ pub struct Features {
     pub geometric_normal: Point,
     /// Distance from the eye in metres.
     pub depth: f32,
-    /// Place in the world, in metres, counted from where the scene is counted from.
+    /// Place in the world, in metres, counted as the scene's files do, whatever the scene is counted from itself.
     pub position: Point,
     /// Surface parameters.
     pub uv: Vec2,
@@ -55,7 +55,7 @@ impl Features {
             normal: towards(it.ns, it.wo),
             geometric_normal: towards(it.ng, it.wo),
             depth: it.p.distance(camera.ray.o),
-            position: it.p,
+            position: (it.p.as_dvec3() + stage.scene.origin).as_vec3(),
             uv: it.uv,
             object: it.placement,
             material: stage.scene.material(it).0,

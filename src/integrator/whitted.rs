@@ -18,7 +18,7 @@
 //! ```
 
 use crate::accel::Accel;
-use crate::bsdf::{Branch, BsdfSample, Mix, Part, mirrored};
+use crate::bsdf::{Branch, BsdfSample, Lobes, Mix, Part, mirrored};
 use crate::geometry::{Hit, Interaction, Ray};
 use crate::integrator::cone::Cone;
 use crate::integrator::direct::{self, Receiver};
@@ -235,7 +235,13 @@ impl Whitted {
         sampler: &S,
         worker: &mut Worker,
     ) {
-        self.push_specular(at, part, index, worker);
+        let lobes = part.bsdf.lobes();
+        if lobes.intersects(Lobes::SPECULAR) {
+            self.push_specular(at, part, index, worker);
+        }
+        if !lobes.intersects(Lobes::GLOSSY.and(Lobes::THROUGH)) {
+            return;
+        }
         if !(self.polished && part.bsdf.is_fuzzy_mirror()) {
             self.push_glossy(at, (index, part), sampler, worker);
         } else if let Some(child) = at.mirror_child((index, part), &mut worker.counters)

@@ -65,6 +65,11 @@ impl Course {
         Ok(Self { even, adaptive, pace: saved["pace"].as_f64(), ..self })
     }
 
+    /// Seconds that are left, where time counts; those of all runs have been taken off.
+    pub(super) fn left(&self) -> Option<f64> {
+        self.even.left().map(|[left, _]| left)
+    }
+
     /// The next pass; `None` when it is enough. A pass that begins at sample 0 begins anew: what there was is thrown away.
     pub(super) fn next(&mut self) -> Option<Pass> {
         let Some(adaptive) = &mut self.adaptive else { return self.even.next() };

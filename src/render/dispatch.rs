@@ -2,14 +2,13 @@
 
 use crate::accel::Accel;
 use crate::accel::bvh::{BvhAccel, Hierarchy, Options};
-use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
+use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::geometry::World;
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
-use crate::math::lanes::{Level, Scalar};
-use crate::render::query::{level, query};
+use crate::render::query::{query, shading};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
@@ -63,6 +62,20 @@ pub fn render_kept(
     Studio::new(settings.threads)?.render(scene, settings, progress, kept)
 }
 
+/// What finds hits for a scene, as far as pixels depend on it: Embree's kernels of other versions and instruction sets meet edges elsewhere,
+/// hierarchies of our own give the same answers on every machine.
+pub fn backend(scene: &Scene) -> Result<String> {
+    Ok(match scene.render.backend {
+        description::Backend::Embree => {
+            let device = Device::new(Config { threads: NonZeroU32::new(1), ..Config::from_env() });
+            let device =
+                device.map_err(|error| Error::Backend { backend: "embree", what: error.to_string() })?;
+            format!("embree {}, {}", device.version(), device.isa().map_or("unknown", |isa| isa.name()))
+        }
+        other => other.word().to_owned(),
+    })
+}
+
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
 pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
     let spp = most(scene, settings);
@@ -85,7 +98,7 @@ pub fn render_on<A: Accel>(
     accel: &A,
     progress: &dyn Progress,
 ) -> Result<Rendered> {
-    let plan = plan(scene, settings, progress)?;
+    let plan = plan(scene, settings, (progress, false))?;
     let (threads, pool) = pool(settings.threads)?;
     let mut rendered = pool.install(|| with_accel(&plan, accel))?;
     rendered.statistics.threads = threads;
@@ -95,9 +108,9 @@ pub fn render_on<A: Accel>(
 pub(super) fn plan<'a>(
     scene: &'a Scene,
     settings: &Settings,
-    progress: &'a dyn Progress,
+    (progress, is_kept): (&'a dyn Progress, bool),
 ) -> Result<Plan<'a>> {
-    two_pass::check(scene, settings)?;
+    two_pass::check(scene, settings, is_kept)?;
     let seed = scene.render.seed;
     let most = most(scene, settings);
     let samples = samples(settings, most)?;
@@ -169,7 +182,7 @@ pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendere
             with_integrator(plan, accel, &tree, way)
         }
         description::Integrator::Path => {
-            let level = if way == Query::Single { Level::Scalar(Scalar) } else { level() };
+            let level = shading(plan.scene);
             let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet))
                 .splitting(plan.layout.splits());
             let size = if way == Query::Single { 1 } else { BATCH };

@@ -24,12 +24,12 @@ mod studio;
 mod tiles;
 mod two_pass;
 
-pub use dispatch::{Begin, Kept, MOST, outline, render, render_kept, render_on};
+pub use dispatch::{Begin, Kept, MOST, backend, outline, render, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};
 pub use part::{Outline, Part, PartFile};
-pub use query::{Chosen, lanes, query};
+pub use query::{Chosen, lanes, level, query, shading};
 pub use slice::Slice;
 pub use state::{Checkpoint, Keeper, State};
 pub use studio::Studio;

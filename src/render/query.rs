@@ -1,6 +1,6 @@
 //! How rays are asked for where nobody says so: by what was measured (`benches/record/engines.md`).
 
-use crate::math::lanes::Level;
+use crate::math::lanes::{Level, Scalar};
 use crate::scene::Scene;
 use crate::scene::description::{Backend, FuzzyBy, Integrator, Query};
 
@@ -19,8 +19,9 @@ pub fn query(scene: &Scene) -> Chosen {
     chosen(&scene.render)
 }
 
-/// What shading over lanes is run with: what the environment asks for, or the best there is.
-pub(super) fn level() -> Level {
+/// What everything over lanes is run with: what the environment asks for, or the best there is.
+#[must_use]
+pub fn level() -> Level {
     Level::from_env().unwrap_or_else(|_| Level::best())
 }
 
@@ -28,6 +29,13 @@ pub(super) fn level() -> Level {
 #[must_use]
 pub fn lanes() -> &'static str {
     level().name()
+}
+
+/// What the shading of a scene is run with: paths side by side over lanes, ray trees and single paths one ray at a time.
+#[must_use]
+pub fn shading(scene: &Scene) -> Level {
+    let is_wide = scene.render.integrator == Integrator::Path && query(scene).query != Query::Single;
+    if is_wide { level() } else { Level::Scalar(Scalar) }
 }
 
 fn chosen(render: &crate::scene::description::Render) -> Chosen {

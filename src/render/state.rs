@@ -23,8 +23,10 @@ pub struct State {
     pub(super) course: Course,
     /// The pass under way, and how many seconds it has taken.
     pub(super) pass: Option<(Pass, f64)>,
-    /// How long tracing took.
+    /// How long tracing took, and filtering where pictures are filtered.
     pub(super) spent: Phase,
+    /// How long filtering took alone.
+    pub(super) filtering: Phase,
 }
 
 /// Somebody who keeps copies of pictures under way, lest all be lost.
@@ -59,6 +61,7 @@ impl State {
             "non_finite": non_finite_to_json(film.non_finite()),
             "counters": counters_to_json(&self.counters),
             "spent": phase_to_json(self.spent),
+            "filtering": phase_to_json(self.filtering),
             "course": self.course.saved(),
             "pass": self.pass.as_ref().map(|(pass, seconds)| {
                 json!({ "tiles": pass.shares.len(), "coherent": pass.coherent, "seconds": seconds })
@@ -144,6 +147,7 @@ impl<R: Read> Checkpoint<R> {
                 course,
                 pass: seconds.map(|seconds| (pass, seconds)),
                 spent: phase_of_json(&head["spent"]).ok_or_else(odd)?,
+                filtering: phase_of_json(&head["filtering"]).ok_or_else(odd)?,
             })
         })
     }

@@ -49,7 +49,8 @@ impl Studio {
         progress: &dyn Progress,
         kept: Kept<'_>,
     ) -> Result<Rendered> {
-        let mut plan = plan(scene, settings, progress)?;
+        let is_kept = kept.keeper.is_some() || kept.begin.is_some();
+        let mut plan = plan(scene, settings, (progress, is_kept))?;
         plan.keeper = kept.keeper;
         if let Some((checkpoint, place)) = kept.begin {
             let State { film, course, .. } = plan.state();

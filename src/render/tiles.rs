@@ -62,11 +62,12 @@ impl Plan<'_> {
             course: Course::new(&self.limits, self.start, (&tiles(self.window), &self.samples)),
             pass: None,
             spent: Phase::default(),
+            filtering: Phase::default(),
         }
     }
 
     /// From where it goes on.
-    fn begin(&self) -> State {
+    pub(super) fn begin(&self) -> State {
         let mut begin = self.begin.lock().unwrap_or_else(PoisonError::into_inner);
         begin.take().unwrap_or_else(|| self.state())
     }

@@ -11,17 +11,18 @@
 use crate::accel::Accel;
 use crate::error::{Error, Problem, Result};
 use crate::film::FilterSample;
-use crate::film::{Film, Names, SampleId, Seen, Tile};
+use crate::film::{SampleId, Seen, Tile};
 use crate::geometry::Ray;
 use crate::image::Window;
 use crate::integrator::{CameraRay, Counters, Features, FirstPass, Radiance, Reflection, Whitted, Worker};
 use crate::math::Rgb;
 use crate::post::{self, End, Filtered, Fuzzy, GBuffer, Mirror, Texel};
 use crate::render::eye::Eye;
+use crate::render::keeping::Running;
 use crate::render::query::level;
 use crate::render::samples::CameraSamples;
 use crate::render::tiles::{Plan, outputs};
-use crate::render::{Ended, Phase, Rendered, Settings, Statistics};
+use crate::render::{Ended, Phase, Rendered, Settings, State, Statistics};
 use crate::sampling::{Dim, Sampler, Vertex};
 use crate::scene::Scene;
 use crate::scene::description::{FuzzyBy, FuzzyFilter, Integrator};
@@ -32,8 +33,8 @@ use std::time::Instant;
 /// Windows reach this much farther than their radius, as a part of it: by a texel of a smaller picture.
 const REACH: f32 = 1.25;
 
-/// Refuses what does not go together.
-pub(super) fn check(scene: &Scene, settings: &Settings) -> Result<()> {
+/// Refuses what does not go together; `is_kept` if copies are to be kept or there is one to go on from.
+pub(super) fn check(scene: &Scene, settings: &Settings, is_kept: bool) -> Result<()> {
     if scene.render.glossy != FuzzyBy::TwoPass {
         if settings.first_pass {
             let problem =
@@ -52,61 +53,69 @@ pub(super) fn check(scene: &Scene, settings: &Settings) -> Result<()> {
         let problem = Problem::new("a target error goes by noise, which a filtered picture hides");
         return Err(problem.remedy("give `--spp` or `--time-limit`, or `glossy = \"lobe\"`").into());
     }
+    if settings.first_pass && is_kept {
+        let problem =
+            Problem::new("the output `gbuffer` has all samples by themselves, which no checkpoint holds");
+        return Err(problem.remedy("leave out the checkpoint, or the output").into());
+    }
     Ok(())
 }
 
-/// The samples of the window, on the threads of the current pool.
+/// The samples of the window, on the threads of the current pool, from where the plan goes on.
 pub(super) fn render<A: Accel>(plan: &Plan<'_>, accel: &A, tree: &Whitted) -> Result<Rendered> {
-    if plan.keeper.is_some() {
-        let problem = Problem::new("pictures of filtered reflections keep no checkpoints");
-        return Err(problem.remedy("leave out `--checkpoint`, or use `glossy = \"lobe\"`").into());
-    }
-    let (made, render) = Phase::of(|| passes(plan, accel, tree));
-    let mut made = made?;
-    made.statistics.render = render;
-    made.statistics.samples = made.film.samples();
-    made.statistics.hierarchy_bytes = accel.bytes();
-    Ok(made)
+    let eye = Eye::new(plan.scene, accel, plan.most);
+    let fuzzy = filter_of(&plan.scene.render.fuzzy);
+    let running = Running::new(plan.begin());
+    let (ended, first_pass) = running.kept(plan.keeper, || samples(plan, (&eye, tree, &fuzzy), &running))?;
+    let State { film, counters, spent, filtering, .. } = running.into_state();
+    let statistics = Statistics {
+        counters,
+        first: plan.samples.start,
+        samples: film.samples(),
+        ended,
+        render: spent,
+        filter: filtering,
+        hierarchy_bytes: accel.bytes(),
+        ..Statistics::default()
+    };
+    Ok(Rendered { film, first_pass, statistics })
 }
 
-fn passes<A: Accel>(plan: &Plan<'_>, accel: &A, tree: &Whitted) -> Result<Rendered> {
-    let scene = plan.scene;
-    let eye = Eye::new(scene, accel, plan.most);
-    let fuzzy = filter_of(&scene.render.fuzzy);
-    let full = [scene.film.width, scene.film.height];
-    let names = if plan.layout.has_ids() { scene.names.clone() } else { Names::default() };
-    let mut film = Film::new(full, plan.window, plan.layout.clone()).named(names);
-    let mut statistics = Statistics::default();
-    let mut first_pass = Vec::new();
+/// Takes samples until all are there or the time is over: what ended the picture, and the first passes, if they are kept. Copies taken
+/// meanwhile have whole samples of all pixels.
+fn samples<A: Accel>(
+    plan: &Plan<'_>,
+    (eye, tree, fuzzy): (&Eye<'_, A>, &Whitted, &Fuzzy),
+    running: &Running,
+) -> Result<(Ended, Vec<GBuffer>)> {
     let total = plan.samples.len() as u64 * plan.window.area() as u64;
-    let done = AtomicU64::new(0);
-    for index in plan.samples.clone() {
+    let (there, done) = {
+        let running = running.locked();
+        let film = &running.state.film;
+        (film.taken(plan.window), AtomicU64::new(film.samples()))
+    };
+    let (mut first_pass, mut pace) = (Vec::new(), 0.0);
+    for index in plan.samples.start + there..plan.samples.end {
+        let left = running.locked().state.course.left();
+        if index > plan.samples.start && left.is_some_and(|left| pace >= left) {
+            return Ok((Ended::Time, first_pass));
+        }
         let begin = Instant::now();
-        let pass = Pass { plan, eye: &eye, tree, fuzzy: &fuzzy, index, film: film_sample(plan, index) };
+        let pass = Pass { plan, eye, tree, fuzzy, index, film: film_sample(plan, index) };
         let (g, counters) = pass.first((&done, total))?;
-        statistics.counters += counters;
-        let (filtered, filter) = Phase::of(|| post::filter(&g, plan.window, &fuzzy, (level(), index)));
-        statistics.filter += filter;
-        let mut tile = if index == plan.samples.start {
-            Tile::new(plan.window, plan.layout.clone())
-        } else {
-            film.part(plan.window)
-        };
+        let (filtered, filtering) = Phase::of(|| post::filter(&g, plan.window, fuzzy, (level(), index)));
+        let mut tile = running.locked().state.film.part(plan.window);
         pass.add(&mut tile, (&g, &filtered));
-        film.put(&tile);
+        let mut running = running.locked();
+        running.state.film.put(&tile);
+        running.state.counters += counters;
+        running.state.filtering += filtering;
         if plan.first_pass {
-            first_pass.push(g);
+            first_pass.push(part(&g, plan.window));
         }
-        if let Some(limit) = plan.limits.time
-            && index + 1 < plan.samples.end
-            && plan.start.elapsed() + begin.elapsed() > limit
-        {
-            statistics.ended = Ended::Time;
-            break;
-        }
+        pace = begin.elapsed().as_secs_f64();
     }
-    let first_pass = first_pass.into_iter().map(|g| part(&g, plan.window)).collect();
-    Ok(Rendered { film, first_pass, statistics })
+    Ok((Ended::Samples, first_pass))
 }
 
 /// The place on the film of a sample of all pixels.

@@ -42,6 +42,8 @@ pub(crate) struct Rules {
     pub(crate) nonzero: bool,
     /// Extensions a file may have, in lower case.
     pub(crate) extensions: &'static [&'static str],
+    /// Whether a file may be missing.
+    pub(crate) may_be_missing: bool,
 }
 
 impl Rules {
@@ -71,6 +73,11 @@ impl Rules {
 
     pub(crate) fn file(self, extensions: &'static [&'static str]) -> Self {
         Self { extensions, ..self }
+    }
+
+    /// A picture on a surface, which is warned of and made up for where it is missing.
+    pub(crate) fn picture(self, extensions: &'static [&'static str]) -> Self {
+        Self { extensions, may_be_missing: true, ..self }
     }
 
     /// Whether a number lies within the bounds; none does that is not a number.

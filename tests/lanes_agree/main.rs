@@ -25,9 +25,12 @@ macro_rules! parts {
     )* };
 }
 
+mod kinds;
 mod lights;
 #[path = "../support/lights.rs"]
 mod lights_list;
+#[path = "../support/one_of_each.rs"]
+mod one_of_each;
 mod phong;
 #[path = "../support/random.rs"]
 mod random;

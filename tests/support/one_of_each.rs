@@ -1,9 +1,12 @@
-//! A lobe of every kind.
+//! A lobe of every kind, and mixes of them.
+
+#![allow(dead_code, unused_imports, unused_macros, reason = "each program uses a part")]
 
 use specula::bsdf::microfacet::{Beckmann, Distribution, Ggx};
 use specula::bsdf::{
-    Below, Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, Metal, Mirror,
-    OrenNayar, Over, Phong, PhongScale, RoughConductor, RoughDielectric, Schlick, ThinDielectric,
+    Below, Bsdf, Coat, Conductor, Dielectric, Diffuse, FresnelModel, Glass, Glossy, Jitter, MOST_PARTS,
+    Metal, Mirror, Mix, OrenNayar, Over, Part, Phong, PhongScale, RoughConductor, RoughDielectric, Schlick,
+    ThinDielectric,
 };
 use specula::math::Rgb;
 
@@ -28,6 +31,29 @@ macro_rules! each_lobe {
     };
 }
 pub(crate) use each_lobe;
+
+/// The names of all kinds, and that of a surface. The match wants every kind: a new one does not compile before it is named here,
+/// and is then missed in the list below until it is there.
+macro_rules! kinds {
+    ($($Kind:ident)*) => {
+        pub(crate) const KINDS: &[&str] = &[$(stringify!($Kind)),*];
+
+        pub(crate) fn kind(bsdf: &Bsdf<f32>) -> &'static str {
+            match bsdf {
+                $(Bsdf::$Kind(_) => stringify!($Kind),)*
+            }
+        }
+    };
+}
+kinds! {
+    Diffuse OrenNayar Mirror Conductor RoughConductor Dielectric RoughDielectric ThinDielectric Glossy Phong Jitter Glazed
+    Schlick
+}
+
+/// The kinds that a list lacks.
+pub(crate) fn missing(list: &[(impl AsRef<str>, Bsdf<f32>)]) -> Vec<&'static str> {
+    KINDS.iter().filter(|name| !list.iter().any(|(_, bsdf)| kind(bsdf) == **name)).copied().collect()
+}
 
 /// One of each kind with its name; those with a choice within, twice.
 pub(crate) fn lobes() -> Vec<(&'static str, Bsdf<f32>)> {
@@ -54,6 +80,22 @@ pub(crate) fn lobes() -> Vec<(&'static str, Bsdf<f32>)> {
         ("phong", Bsdf::Phong(Over { lobe: phong, base })),
         ("jitter", Bsdf::Jitter(Over { lobe: Jitter { reflectance: gray, exponent: 20.0 }, base })),
         ("glazed", Bsdf::Glazed(Coat::new(FresnelModel::Exact, 1.5).over(gray))),
-        ("schlick", Bsdf::Schlick(Schlick::new(gray, 0.5, 0.5))),
+        ("schlick", Bsdf::Schlick(Schlick::new(gray, 0.3, 0.5))),
     ]
+}
+
+/// As many parts as there is room for, in turn of all kinds; their shares add up to one.
+pub(crate) fn mixes() -> Vec<(String, Mix<f32>)> {
+    const SHARES: [[f32; 3]; MOST_PARTS] =
+        [[0.4, 0.1, 0.25], [0.3, 0.2, 0.25], [0.2, 0.3, 0.25], [0.1, 0.4, 0.25]];
+    let lobes = lobes();
+    let mix = |some: &[(&str, Bsdf<f32>)]| {
+        let mut mix = Mix::nothing();
+        for ((_, bsdf), [r, g, b]) in some.iter().zip(SHARES) {
+            mix.push(Part { weight: Rgb::new(r, g, b), bsdf: *bsdf });
+        }
+        let names: Vec<_> = some.iter().map(|(name, _)| *name).collect();
+        (format!("mix of {}", names.join(", ")), mix)
+    };
+    lobes.chunks(MOST_PARTS).map(mix).collect()
 }

@@ -1,5 +1,7 @@
 //! A scene of all kinds of light paths.
 
+#![allow(dead_code, reason = "each program uses a part")]
+
 /// A ball of rough copper and one of glass in a room with a lamp.
 pub(crate) fn room(settings: &str) -> String {
     format!(
@@ -45,4 +47,12 @@ pub(crate) fn room(settings: &str) -> String {
         radiance = 9.0
         "#
     )
+}
+
+/// The same with a ball whose reflections are filtered.
+pub(crate) fn fuzzy_room(settings: &str) -> String {
+    let copper = "type = \"conductor\"\n        metal = \"Cu\"\n        alpha = 0.2";
+    let text = room(&format!("{settings}\n        glossy = \"two-pass\""));
+    assert!(text.contains(copper), "the ball");
+    text.replace(copper, "type = \"glossy\"\n        exponent = 60\n        reflectance = 0.8")
 }

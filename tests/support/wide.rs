@@ -1,109 +1,49 @@
-//! Lobes of the list asked over lanes: one function per lobe and instruction set, out of line, as a renderer has it.
+//! Parts of surfaces asked over lanes: one function per lobe and instruction set, out of line, as a renderer has it.
 
-use crate::lobes::{Kind, Side};
-use specula::bsdf::{
-    BsdfSample, Diffuse, Glossy, Jitter, OrenNayar, Phong, RoughConductor, RoughDielectric, Schlick, Spread,
-};
+use crate::lobes::{self, Part};
+use crate::one_of_each::each_lobe;
+use specula::bsdf::{Bsdf, BsdfSample, Lobe, Lobes, Spread};
 use specula::math::lanes::{Isa, Kernel, Lanes, Level, MaskLanes};
 use specula::math::{Rgb, Vec3};
+use specula::sampling::warp;
+use std::f32::consts::PI;
 
 type V = Vec3<f32>;
 
-/// Sample, density and value of a lobe.
-trait Law<F: Lanes>: Copy {
-    fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F>;
-    fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F;
-    fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F>;
+/// Nothing on the side of a twin.
+#[inline(always)]
+fn on_side<F: Lanes, L: Lobe<F>>(part: Part, wi: Vec3<F>, value: F) -> F {
+    let (below, zero) = (wi.z.lt(0.0), value.splat(0.0));
+    if !L::LOBES.intersects(Lobes::THROUGH) {
+        return value;
+    }
+    if part == Part::Below { F::select(below, value, zero) } else { F::select(below, zero, value) }
 }
 
-macro_rules! laws {
-    ($($Lobe:ident)*) => { $(
-        impl<F: Lanes> Law<F> for $Lobe<F> {
-            #[inline(always)]
-            fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
-                Self::sample(self, wo, u2)
-            }
-            #[inline(always)]
-            fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-                Self::pdf(self, wo, wi)
-            }
-            #[inline(always)]
-            fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-                Self::eval(self, wo, wi)
-            }
-        }
-    )* };
-}
-laws! { Diffuse OrenNayar RoughConductor Glossy Phong Jitter Schlick }
-
-/// The reflection of a rough interface, or its transmission.
-#[derive(Clone, Copy)]
-struct OneSide<F>(RoughDielectric<F>, Side);
-
-impl<F: Lanes> OneSide<F> {
-    #[inline(always)]
-    fn on_side(&self, wi: Vec3<F>, value: F) -> F {
-        let (below, zero) = (wi.z.lt(0.0), value.splat(0.0));
-        match self.1 {
-            Side::Above => F::select(below, zero, value),
-            Side::Below => F::select(below, value, zero),
-        }
-    }
-}
-
-impl<F: Lanes> Law<F> for OneSide<F> {
-    #[inline(always)]
-    fn sample(&self, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
-        self.0.sample(wo, u2)[usize::from(self.1 == Side::Below)]
-    }
-    #[inline(always)]
-    fn pdf(&self, wo: Vec3<F>, wi: Vec3<F>) -> F {
-        self.on_side(wi, self.0.pdf(wo, wi))
-    }
-    #[inline(always)]
-    fn eval(&self, wo: Vec3<F>, wi: Vec3<F>) -> Rgb<F> {
-        Rgb::gray(self.on_side(wi, self.0.eval(wo, wi).r))
-    }
-}
-
-/// Runs an expression for the lobe within, spread over lanes like `like`.
-macro_rules! with_kind {
-    ($kind:expr, $like:expr, $lobe:ident => $body:expr) => {
-        match $kind {
-            Kind::Diffuse(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::OrenNayar(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::Rough(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::Interface(own, side) => {
-                let $lobe = OneSide(own.spread($like), side);
-                $body
-            }
-            Kind::Glossy(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::Phong(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::Jitter(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-            Kind::Schlick(own) => {
-                let $lobe = own.spread($like);
-                $body
-            }
-        }
+/// A direction of the part.
+#[inline(always)]
+fn draw<F: Lanes, L: Lobe<F>>(lobe: &L, part: Part, wo: Vec3<F>, u2: [F; 2]) -> BsdfSample<F> {
+    let found = match part {
+        Part::Matt => None,
+        Part::Above => lobe.sample_glossy(wo, u2)[0],
+        Part::Below => lobe.sample_glossy(wo, u2)[1],
     };
+    if let Some(sample) = found {
+        return sample;
+    }
+    let wi = warp::cosine_hemisphere(u2);
+    let weight = lobe.eval_diffuse(wo, wi).scale(PI);
+    BsdfSample { wi, weight, pdf: warp::cosine_hemisphere_pdf(wi.z), valid: wi.z.gt(0.0) }
+}
+
+/// Density and value of a direction.
+#[inline(always)]
+fn ask<F: Lanes, L: Lobe<F>>(lobe: &L, part: Part, wo: Vec3<F>, wi: Vec3<F>) -> (F, Rgb<F>) {
+    if part == Part::Matt {
+        return (warp::cosine_hemisphere_pdf(wi.z), lobe.eval_diffuse(wo, wi));
+    }
+    let one = on_side::<F, L>(part, wi, wo.z.splat(1.0));
+    (on_side::<F, L>(part, wi, lobe.pdf_glossy(wo, wi)), lobe.eval_glossy(wo, wi) * one)
 }
 
 /// What a lobe says of a direction that it drew, or of one that it is given.
@@ -121,31 +61,32 @@ pub(crate) struct Told<F: Lanes> {
     pub(crate) f: Rgb<F>,
 }
 
-struct Answer<'a, L, F>(&'a L, Question<F>);
+struct Answer<'a, L, F>(&'a L, Part, Question<F>);
 
-impl<S: Isa, L: Law<S::F>> Kernel<S> for Answer<'_, L, S::F> {
+impl<S: Isa, L: Lobe<S::F>> Kernel<S> for Answer<'_, L, S::F> {
     type Output = Told<S::F>;
     #[inline(always)]
     fn run(self, isa: S) -> Told<S::F> {
-        let Self(lobe, question) = self;
+        let Self(lobe, part, question) = self;
         let (wo, sample) = match question {
-            Question::Draw(wo, u2) => (wo, lobe.sample(wo, u2)),
+            Question::Draw(wo, u2) => (wo, draw(lobe, part, wo, u2)),
             Question::Ask(wo, wi) => {
                 let (zero, none) = (isa.splat(0.0), isa.splat_mask(false));
                 (wo, BsdfSample { wi, weight: Rgb::gray(zero), pdf: zero, valid: none })
             }
         };
-        Told { sample, pdf: lobe.pdf(wo, sample.wi), f: lobe.eval(wo, sample.wi) }
+        let (pdf, f) = ask(lobe, part, wo, sample.wi);
+        Told { sample, pdf, f }
     }
 }
 
 #[inline(never)]
-fn answer<S: Isa, L: Law<S::F>>(isa: S, lobe: &L, question: Question<S::F>) -> Told<S::F> {
-    isa.run(Answer(lobe, question))
+fn answer<S: Isa, L: Lobe<S::F>>(isa: S, lobe: &L, part: Part, question: Question<S::F>) -> Told<S::F> {
+    isa.run(Answer(lobe, part, question))
 }
 
 /// One question for each pair of numbers, or of directions.
-struct All<'a, Q>(Kind, &'a [Q]);
+struct All<'a, Q>(Bsdf<f32>, Part, &'a [Q]);
 
 /// What is asked in one lane.
 pub(crate) trait Asked: Copy {
@@ -183,12 +124,12 @@ impl<S: Isa, Q: Asked> Kernel<S> for All<'_, Q> {
     type Output = Vec<Told<f32>>;
     #[inline(always)]
     fn run(self, isa: S) -> Vec<Told<f32>> {
-        let Self(kind, questions) = self;
+        let Self(bsdf, part, questions) = self;
+        let bsdf = bsdf.spread(isa.splat(0.0));
         let mut told = Vec::with_capacity(questions.len());
         for some in questions.chunks(S::WIDTH) {
             let Wide(question) = Q::gather(isa, some);
-            let like = isa.splat(0.0);
-            let Told { sample, pdf, f } = with_kind!(kind, like, lobe => answer(isa, &lobe, question));
+            let Told { sample, pdf, f } = each_lobe!(bsdf, lobe => answer(isa, &lobe, part, question));
             let valid = sample.valid.bits();
             told.extend((0..some.len()).map(|i| Told {
                 sample: BsdfSample {
@@ -206,6 +147,6 @@ impl<S: Isa, Q: Asked> Kernel<S> for All<'_, Q> {
 }
 
 /// What a lobe says, at that width, of directions that it draws with numbers, or of pairs of directions.
-pub(crate) fn told<Q: Asked>(level: Level, kind: Kind, questions: &[Q]) -> Vec<Told<f32>> {
-    level.run(All(kind, questions))
+pub(crate) fn told<Q: Asked>(level: Level, lobe: &lobes::Lobe, questions: &[Q]) -> Vec<Told<f32>> {
+    level.run(All(lobe.bsdf, lobe.part, questions))
 }

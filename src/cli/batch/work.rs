@@ -16,7 +16,7 @@ use crate::cli::options::BatchOptions;
 use crate::cli::progress::Meter;
 use crate::cli::render::{tell_dropped, write};
 use crate::cli::stage::{Made, Order, Stage};
-use crate::error::{Error, Problem, Result};
+use crate::error::{Error, Problem, Problems, Result};
 use crate::render::{Progress, Studio};
 use crate::scene::description::Located;
 use crate::scene::{self, Library, Loaded};
@@ -138,6 +138,8 @@ impl<'a> Whole<'a> {
         }
         let order = Order { options, loaded, start: begin, is_lenient: true };
         let read = stage.load(&order)?;
+        // Nobody sees the warnings of a batch before they have replaced good pictures.
+        Problems(stage.frozen()?.unread.clone()).into_result(())?;
         let Made { rendered, load, kept, .. } = stage.make(&order, read, progress)?;
         let frozen = stage.frozen()?;
         tell_dropped(options, &frozen.scene, &rendered);

@@ -49,6 +49,8 @@ pub struct Built {
     pub files: Vec<PathBuf>,
     /// What was odd, but not wrong.
     pub warnings: Vec<Problem>,
+    /// Those of the warnings that are about pictures that the description names itself and that could not be read.
+    pub unread: Vec<Problem>,
 }
 
 /// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
@@ -86,7 +88,8 @@ pub fn build_from(description: &Description, library: &Arc<Library>) -> Result<B
         names: builder.names,
         environment: builder.environment,
     };
-    builder.problems.into_result(Built { scene, origins: builder.origins, files, warnings: builder.warnings })
+    let Builder { origins, warnings, unread, problems, .. } = builder;
+    problems.into_result(Built { scene, origins, files, warnings, unread })
 }
 
 /// How light passes through glass towards shadow rays, where there is any.
@@ -120,6 +123,8 @@ struct Builder {
     files: Vec<PathBuf>,
     problems: Problems,
     warnings: Vec<Problem>,
+    /// Warnings of pictures that were not read.
+    unread: Vec<Problem>,
 }
 
 impl Builder {

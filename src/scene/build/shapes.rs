@@ -239,9 +239,9 @@ impl Builder {
     }
 
     fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {
-        self.textures.lenient = true;
+        self.textures.of_mtl = true;
         let material = self.material(&named.value);
-        self.textures.lenient = false;
+        self.textures.of_mtl = false;
         self.add_material(named.name.clone(), material)
     }
 

@@ -1,4 +1,7 @@
 //! Pictures on surfaces, each file read once.
+//!
+//! A file that is missing or cannot be read is warned of, with the place that names it, and the surface is as if the key were not there: flat,
+//! whole, polished, dark. Only its colour is a gray of its own, lest the lack go unseen.
 
 use crate::error::{Error, Problem};
 use crate::image::read_raster;
@@ -6,6 +9,7 @@ use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
 use crate::scene::library::{self, Made};
+use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -18,8 +22,8 @@ pub(super) struct Textures {
     known: HashMap<(PathBuf, Option<Space>), Option<Arc<Bitmap>>>,
     /// In the order met.
     bitmaps: Vec<Arc<Bitmap>>,
-    /// Whether files that cannot be read are warned of instead of refused: those that MTL files name.
-    pub(super) lenient: bool,
+    /// Whether those that are asked for are named by an MTL file, whose keywords are used loosely.
+    pub(super) of_mtl: bool,
 }
 
 impl Textures {
@@ -116,7 +120,7 @@ impl Builder {
         let [r, g, b, _] = map.bitmap.mean();
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
-            if self.textures.lenient {
+            if self.textures.of_mtl {
                 return Some(Relief::Normals(NormalMap { map, strength: 1.0, flip_y: false }));
             }
             let what = format!("`{}` looks like a picture of normals, not of heights", file.value.display());
@@ -166,6 +170,10 @@ impl Builder {
     }
 
     fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Arc<Bitmap>> {
+        if let Some((what, remedy)) = files::absence(&file.value) {
+            self.warn(file, what, format!("{remedy}; {without}"));
+            return None;
+        }
         let read = self.library.clone().thing(&file.value, library::Form::Bitmap(space), || {
             let raster = read_raster(&file.value)?;
             let own = if raster.encoded { Space::Srgb } else { Space::Linear };
@@ -178,20 +186,23 @@ impl Builder {
                 self.warnings.extend(warnings.iter().cloned());
                 Some(bitmap.clone())
             }
-            Err(error) => {
-                let what = match error {
-                    Error::Input(problems) => problems.to_string(),
-                    other => other.to_string(),
-                };
-                let problem = Problem::at(file.place.clone(), what);
-                if self.textures.lenient {
-                    self.warnings.push(problem.remedy(without));
-                } else {
-                    self.problems.push(problem);
-                }
+            Err(Error::Input(problems)) => {
+                self.warn(file, problems.to_string(), without.to_owned());
+                None
+            }
+            Err(other) => {
+                self.warn(file, other.to_string(), without.to_owned());
                 None
             }
         }
+    }
+
+    fn warn(&mut self, file: &Located<PathBuf>, what: String, remedy: String) {
+        let problem = Problem::at(file.place.clone(), what).remedy(remedy);
+        if !self.textures.of_mtl {
+            self.unread.push(problem.clone());
+        }
+        self.warnings.push(problem);
     }
 }
 

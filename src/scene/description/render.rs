@@ -27,11 +27,11 @@ record! {
         /// How a path chooses the light that it asks at a surface; absent: by a tree where more than one emitter is
         /// somewhere, else by power, as `specula plan` says.
         light_choice: Option<LightChoice>;
-        /// Shadow rays to each light that has a size, at the first hits; absent: 2 under `distribution`, else 1.
+        /// Shadow rays of the ray tree to each light that has a size, at the first hits; absent: 2 under `distribution`, else 1.
         light_samples: Option<u32>, min(1.0), max(65536.0);
-        /// Rays of each glossy lobe, at the first hits; absent: 2 under `distribution`, else 1.
+        /// Rays of the ray tree for each glossy lobe, at the first hits; absent: 2 under `distribution`, else 1.
         glossy_samples: Option<u32>, min(1.0), max(65536.0);
-        /// How many hits are first hits, counted along each path from the camera; later ones send one ray of each kind.
+        /// How many hits of the ray tree are first hits, counted from the camera along each way; later ones send one ray of each kind.
         split_depth: u32 = 1, min(0.0), max(64.0);
         /// What finds hits.
         backend: Backend = Backend::Embree;

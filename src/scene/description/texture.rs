@@ -52,7 +52,7 @@ record! {
     /// A picture over surface parameters: its lower left corner is at 0, its upper right one at 1.
     pub struct ImageTexture {
         /// A PNG, JPEG, EXR or HDR file.
-        file: Located<PathBuf>, file(RASTERS);
+        file: Located<PathBuf>, picture(RASTERS);
         /// What its numbers stand for; absent: `srgb` for colours of PNG and JPEG files, else `linear`.
         space: Option<Space>;
         /// What its colours are multiplied by; what is reflected is cut at 1.
@@ -65,7 +65,7 @@ record! {
     /// One number per point of a picture over surface parameters.
     pub struct ScalarTexture {
         /// A PNG, JPEG, EXR or HDR file.
-        file: Located<PathBuf>, file(RASTERS);
+        file: Located<PathBuf>, picture(RASTERS);
         /// Which of its numbers; absent: `a` for an opacity where the file has it, else `r`.
         channel: Option<Channel>;
         /// What its numbers stand for.
@@ -80,7 +80,7 @@ record! {
     /// A picture of normals in tangent space: red, green and blue from 0 to 1 are -1 to 1 along u, along v and outwards.
     pub struct NormalMap checked by check::normal_map {
         /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
-        file: Located<PathBuf>, file(RASTERS);
+        file: Located<PathBuf>, picture(RASTERS);
         /// What the lean along u and v is multiplied by.
         strength: f32 = 1.0, min(0.0), max(100.0);
         /// Whether green counts against v, as some programs write it.
@@ -93,7 +93,7 @@ record! {
     /// A picture of heights: the surface is shaded as if white stood out over black. Its outline stays as it is.
     pub struct Bump checked by check::bump {
         /// A PNG, JPEG, EXR or HDR file; its numbers are taken as they are.
-        file: Located<PathBuf>, file(RASTERS);
+        file: Located<PathBuf>, picture(RASTERS);
         /// Where the heights are; red without, which in gray pictures is the shade.
         channel: Option<Channel>;
         /// How far white stands out over black, in widths of a texel: 1 makes a slope of 45 degrees of white beside black; negative

@@ -6,22 +6,36 @@ use std::path::Path;
 /// What is wrong with a file that is to be read, and what to do about it; `None` if it is there and its extension is
 /// one of `extensions`, if any are given.
 pub(crate) fn fault(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
-    let shown = path.display();
-    if path.is_dir() {
-        return Some((format!("`{shown}` is a directory"), "name a file in it".into()));
+    directory(path).or_else(|| absence(path)).or_else(|| unknown(path, extensions))
+}
+
+/// The same of a file that may be missing: whoever reads it makes up for it, and tells.
+pub(crate) fn fault_if_there(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
+    directory(path).or_else(|| unknown(path, extensions))
+}
+
+fn directory(path: &Path) -> Option<(String, String)> {
+    path.is_dir().then(|| (format!("`{}` is a directory", path.display()), "name a file in it".into()))
+}
+
+/// That there is no such file, and what may be meant; `None` if it is there.
+pub(crate) fn absence(path: &Path) -> Option<(String, String)> {
+    if path.exists() {
+        return None;
     }
-    if !path.exists() {
-        let remedy = match neighbour(path) {
-            Some(name) => format!("did you mean `{name}`?"),
-            None => "paths are relative to the file that names them".into(),
-        };
-        return Some((format!("no such file `{shown}`"), remedy));
-    }
+    let remedy = match neighbour(path) {
+        Some(name) => format!("did you mean `{name}`?"),
+        None => "paths are relative to the file that names them".into(),
+    };
+    Some((format!("no such file `{}`", path.display()), remedy))
+}
+
+fn unknown(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("").to_lowercase();
     if !extensions.is_empty() && !extensions.contains(&extension.as_str()) {
         let known: Vec<String> = extensions.iter().map(|extension| format!(".{extension}")).collect();
         let remedy = format!("it must end in {}", words::join(&known, "or"));
-        return Some((format!("`{shown}` is of an unknown format"), remedy));
+        return Some((format!("`{}` is of an unknown format", path.display()), remedy));
     }
     None
 }

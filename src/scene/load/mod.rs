@@ -6,12 +6,12 @@
 //! (`references`). Whatever is wrong is collected (`report`) and told at once.
 //!
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
-//! for being there, not opened; [`load_mesh`] reads meshes.
+//! for being there, not opened; pictures on surfaces, which a scene can do without, not even that. [`load_mesh`] reads meshes.
 
 pub(crate) mod batch;
 pub(crate) mod check;
 pub(crate) mod decode;
-mod files;
+pub(crate) mod files;
 mod merge;
 mod mesh;
 pub(crate) mod node;
@@ -26,7 +26,7 @@ pub(crate) mod words;
 
 use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
-use crate::scene::load::node::Node;
+use crate::scene::load::node::{Entry, Node};
 use crate::scene::record::{Rules, Value};
 pub use batch::{is_scene, load_batch};
 use merge::Reader;
@@ -66,7 +66,8 @@ pub fn load_in(path: &Path, overrides: &[String], folder: &Path) -> Result<Loade
         references::check(&tree, &mut report);
     }
     let description = report.into_result(description)?;
-    let warnings = warnings(&description);
+    let mut warnings = warnings(&description);
+    warnings.extend(idle_knobs(&tree, description.render.integrator));
     Ok(Loaded { description, warnings })
 }
 
@@ -105,6 +106,23 @@ fn warnings(description: &Description) -> Vec<Problem> {
     }
     warnings.extend(idle_prototypes(description));
     warnings
+}
+
+/// Knobs of the ray tree that are set where another integrator is to run.
+fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
+    const KNOBS: [&str; 3] = ["light_samples", "glossy_samples", "split_depth"];
+    if matches!(integrator, Integrator::Whitted | Integrator::Distribution) {
+        return Vec::new();
+    }
+    let entries = tree.get("render").and_then(Node::entries).unwrap_or_default();
+    let idle = entries.iter().filter(|entry| KNOBS.contains(&entry.key.as_str()));
+    let warning = |entry: &Entry| {
+        let word = integrator.word();
+        let what = format!("`{}` is of the ray tree: the integrator `{word}` does not use it", entry.key);
+        report::told(&entry.node.spot, what)
+            .remedy("leave it out, or choose the integrator `distribution` or `whitted`")
+    };
+    idle.map(warning).collect()
 }
 
 /// Hidden shapes that nothing shows.

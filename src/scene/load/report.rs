@@ -12,19 +12,15 @@ pub(crate) struct Report {
 impl Report {
     /// Adds what is wrong at a spot, and what to do about it.
     pub(crate) fn error(&mut self, spot: &Spot, what: impl Into<String>, remedy: impl Into<String>) {
-        self.add(spot, Problem::at(spot.place(), what).remedy(remedy));
+        self.add(spot, told(spot, what).remedy(remedy));
     }
 
     /// Adds what is wrong at a spot.
     pub(crate) fn error_without_remedy(&mut self, spot: &Spot, what: impl Into<String>) {
-        self.add(spot, Problem::at(spot.place(), what));
+        self.add(spot, told(spot, what));
     }
 
     fn add(&mut self, spot: &Spot, problem: Problem) {
-        let problem = match spot.source.as_override() {
-            Some(text) => Problem { what: format!("in `{text}`: {}", problem.what), ..problem },
-            None => problem,
-        };
         self.errors.push((spot.order(), problem));
     }
 
@@ -37,4 +33,14 @@ impl Report {
             None => Err(problems.into()),
         }
     }
+}
+
+/// What there is to tell of a spot; of an override with its text.
+pub(crate) fn told(spot: &Spot, what: impl Into<String>) -> Problem {
+    let what = what.into();
+    let what = match spot.source.as_override() {
+        Some(text) => format!("in `{text}`: {what}"),
+        None => what,
+    };
+    Problem::at(spot.place(), what)
 }

@@ -192,7 +192,8 @@ impl Value for PathBuf {
             return mismatch(node, key, found, rules, report);
         };
         let path = node.spot.source.resolve(Path::new(text));
-        match files::fault(&path, rules.extensions) {
+        let fault = if rules.may_be_missing { files::fault_if_there } else { files::fault };
+        match fault(&path, rules.extensions) {
             None => Some(path),
             Some((what, remedy)) => {
                 report.error(&node.spot, what, remedy);
