@@ -1,32 +1,27 @@
-//! The same scene seen otherwise: from elsewhere, at another time, with other settings. What the difference does not touch stays.
+//! The same scene seen otherwise: from elsewhere, at another time, on another film. What the difference does not touch stays.
 
 use crate::scene::Scene;
-use crate::scene::build::{Origin, camera, glass_shadows};
-use crate::scene::description::{Description, FuzzyBy};
+use crate::scene::build::{Origin, camera};
+use crate::scene::description::Description;
 
-/// Makes of the scene of `before` that of `after`, where they differ in the camera, the film and the settings of the rendering alone, and
-/// nothing but the camera moves from one to the other; else leaves it as it is and says so. That no file has changed is for the caller to
-/// know.
+/// Makes of the scene of `before` that of `after`, where they differ in the camera and the film alone, and nothing but the camera moves from one
+/// to the other; else leaves it as it is and says so. That no file has changed is for the caller to know.
 ///
 /// The world stays the same to the address, so that a hierarchy made of it serves on.
 pub fn retake(scene: &mut Scene, before: &Description, after: &Description) -> bool {
     let origin = Origin::of(&after.camera);
     let [was, is] = [before, after].map(|it| camera::shutter(&it.camera));
     let moves = after.shapes.iter().any(|shape| !shape.keys.is_empty());
-    let jitters = |it: &Description| it.render.glossy == FuzzyBy::Jitter;
     let is_same = origin == Origin::of(&before.camera)
         && (was == is || !moves)
-        && before.render.fresnel == after.render.fresnel
-        && jitters(before) == jitters(after)
+        && before.render == after.render
         && before.materials == after.materials
         && before.shapes == after.shapes
         && before.lights == after.lights;
     if is_same {
         let film = after.film.clone();
         scene.camera = camera::camera(&after.camera, origin, [film.width, film.height]);
-        scene.glass_shadows = glass_shadows(after, &scene.materials);
         scene.film = film;
-        scene.render = after.render.clone();
     }
     is_same
 }

@@ -72,7 +72,8 @@ pub fn build_from(description: &Description, library: &Arc<Library>) -> Result<B
     builder.cut_holes();
     let film = description.film.clone();
     let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
-    let glass_shadows = glass_shadows(description, &builder.materials);
+    let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
+    let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let scene = Scene {
         world: Arc::new(builder.world),
@@ -90,12 +91,6 @@ pub fn build_from(description: &Description, library: &Arc<Library>) -> Result<B
     };
     let Builder { origins, warnings, unread, problems, .. } = builder;
     problems.into_result(Built { scene, origins, files, warnings, unread })
-}
-
-/// How light passes through glass towards shadow rays, where there is any.
-fn glass_shadows(description: &Description, materials: &[Material]) -> GlassShadows {
-    let has_glass = materials.iter().any(|material| material.scattering.is_clear());
-    if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque }
 }
 
 /// A scene under way.
