@@ -148,6 +148,16 @@ fn names(film: &Film) -> Vec<(String, String)> {
 
 /// Everything counted and timed.
 pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
+    let mut report = counted(options, frozen, rendered, times);
+    if let Some((frame, time_s)) = frozen.frame {
+        report["frame"] = frame.into();
+        report["frame_time_s"] = time_s.into();
+    }
+    report
+}
+
+/// The same but for the frame.
+fn counted(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
     let scene = &frozen.scene;
     let settings = &scene.render;
     let is_tree = is_tree(settings);
@@ -155,7 +165,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
     let counters = statistics.counters;
     let window = rendered.film.window();
     let [least, most] = rendered.film.samples_of_pixels();
-    let mut report = json!({
+    json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": options.scene.display().to_string(),
         "scene_hash": frozen.hash,
@@ -205,12 +215,7 @@ pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Render
             "first": rendered.film.non_finite().first().iter().map(|&s| sample(options, scene, s)).collect::<Vec<_>>(),
         },
         "plan": frozen.plan(),
-    });
-    if let Some((frame, time_s)) = frozen.frame {
-        report["frame"] = frame.into();
-        report["frame_time_s"] = time_s.into();
-    }
-    report
+    })
 }
 
 /// How many rays of each kind there were.
