@@ -146,6 +146,14 @@ pub enum Error {
         /// What it said.
         what: String,
     },
+    /// Some pictures of many could not be made; why was told.
+    #[error("{failed} of {of} pictures failed")]
+    Failed {
+        /// How many.
+        failed: usize,
+        /// Of how many.
+        of: usize,
+    },
     /// Somebody asked to stop.
     #[error("interrupted")]
     Interrupted,

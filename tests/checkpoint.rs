@@ -3,6 +3,9 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[cfg(target_os = "linux")]
+#[path = "support/disk.rs"]
+mod disk;
 #[path = "support/random.rs"]
 mod random;
 #[path = "support/room.rs"]
@@ -456,35 +459,13 @@ fn checkpoints_of_anything_else_are_refused_and_the_difference_is_named() {
     }
 }
 
-/// A file system of its own, gone with the value; not everybody may.
-#[cfg(target_os = "linux")]
-struct Mounted(std::path::PathBuf);
-
-#[cfg(target_os = "linux")]
-impl Mounted {
-    fn new(desk: &Desk, options: &str) -> Option<Self> {
-        let path = desk.path("disk");
-        std::fs::create_dir(&path).expect("made");
-        let mut command = Command::new("mount");
-        command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(&path).stderr(Stdio::null());
-        command.status().is_ok_and(|status| status.success()).then_some(Self(path))
-    }
-}
-
-#[cfg(target_os = "linux")]
-impl Drop for Mounted {
-    fn drop(&mut self) {
-        let _ = Command::new("umount").arg(&self.0).status();
-    }
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn full_and_read_only_disks_are_told_and_nothing_is_half_written() {
     for (options, told) in [("size=16k", "No space left"), ("ro", "Read-only")] {
         let desk = Desk::new();
         write_scene(&desk, 512);
-        let Some(disk) = Mounted::new(&desk, options) else {
+        let Some(disk) = disk::Mounted::new(&desk, options) else {
             eprintln!("skipped: no file system may be mounted");
             return;
         };

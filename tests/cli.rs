@@ -53,13 +53,16 @@ fn help_lists_the_commands_and_version_the_version() {
     let place = place();
     let (status, stdout, stderr) = place.run(&["--help"]);
     assert_eq!((status, stderr.as_str()), (0, ""), "help is a result");
-    for command in ["render", "merge", "farm", "diff", "fuzzy", "bench", "schema", "completions", "man"] {
+    for command in
+        ["render", "batch", "merge", "farm", "diff", "fuzzy", "bench", "schema", "completions", "man"]
+    {
         assert!(stdout.contains(command), "{command} in {stdout}");
     }
     let (status, stdout, _) = place.run(&["render", "--help"]);
     let flags = [
         "--output",
         "--slice",
+        "--frames",
         "--checkpoint",
         "--checkpoint-every",
         "--resume",
@@ -429,6 +432,7 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
         "",
         "-render",
         "-plan",
+        "-batch",
         "-merge",
         "-farm",
         "-farm-slurm",

@@ -113,7 +113,7 @@ fn picture(seed: u32) -> Image {
 }
 
 fn map(image: Image, scale: f32, rotation: f32) -> Environment {
-    Environment::Map(Box::new(EnvironmentMap::new(image, scale, rotation).expect("shines")))
+    Environment::Map(std::sync::Arc::new(EnvironmentMap::new(image, scale, rotation).expect("shines")))
 }
 
 #[test]

@@ -244,7 +244,7 @@ fn without_textures_the_picture_stays_to_the_bit() {
     let description = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}")).description;
     let film = |wanted: &Wanted| {
         let built = scene::build_for(&description, wanted).unwrap_or_else(|error| panic!("{error}"));
-        bits(&self::film(&built))
+        bits(&film(&built))
     };
     // The lobe of weight zero leaves a choice with a probability of 1, to rounding.
     let whole = film(&Wanted::anything());

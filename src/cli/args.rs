@@ -1,5 +1,6 @@
 //! The command line as typed: words, and help beside them.
 
+mod batch;
 mod farm;
 
 pub use farm::{FarmArgs, FarmCommonArgs, FarmEngine, Farmed, OpenJdArgs, SlurmArgs};
@@ -20,6 +21,8 @@ use crate::scene::description::{
 };
 use crate::scene::needs::capability::{Capabilities, Capability};
 
+pub use batch::{BatchArgs, SchemaArgs, SchemaOf};
+
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
 #[command(name = "specula", version, propagate_version = true, max_term_width = 100)]
@@ -36,6 +39,8 @@ pub enum Command {
     Render(Box<RenderArgs>),
     /// Tell what a scene contains and requires, without rendering it
     Plan(Box<PlanArgs>),
+    /// Render many pictures and sequences, leaving out what is done
+    Batch(Box<BatchArgs>),
     /// Join slices or crops into one picture
     Merge(Box<MergeArgs>),
     /// Have many machines render slices of a picture and merge them, through an engine that runs jobs
@@ -46,8 +51,8 @@ pub enum Command {
     Fuzzy(Box<FuzzyArgs>),
     /// Compare backends: the same rays of scenes through each, in every kind of query
     Bench(Box<BenchArgs>),
-    /// Print the JSON Schema of the scene file
-    Schema,
+    /// Print the JSON Schema of the scene file, or of the batch file
+    Schema(SchemaArgs),
     /// Print a completion script for a shell
     Completions(CompletionsArgs),
     /// Print the manual page, or write those of all commands
@@ -163,6 +168,14 @@ pub struct RenderArgs {
     /// Render only these pixels, the upper ends excluded
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
     pub crop: Option<String>,
+
+    /// Render frames of a sequence: N, A..B (both ends are rendered), A..BxSTEP, or several with commas between
+    ///
+    /// For frame F the shutter opens and closes F / fps later than the scene file says (`fps` of the camera, 24 by default). Names of files
+    /// need a place for the number, where there are several frames: {frame}, or as many # as there are to be digits. A limit of time is one
+    /// for each frame.
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    pub frames: Option<String>,
 
     /// Take only one of N parts of the samples of each pixel, K from 0: `specula merge` joins all of them
     ///

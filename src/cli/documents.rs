@@ -7,15 +7,19 @@ use clap::CommandFactory as _;
 use clap_complete::Shell;
 use clap_mangen::Man;
 
-use super::args::Args;
+use super::args::{Args, SchemaOf};
 use super::output;
 use crate::error::{Error, Problem, Result};
 use crate::image::atomic;
 use crate::scene;
 
-/// Prints the JSON Schema of the scene file.
-pub(super) fn schema() -> Result<()> {
-    output::print(format!("{:#}\n", scene::schema()).as_bytes())
+/// Prints the JSON Schema of a kind of file.
+pub(super) fn schema(of: SchemaOf) -> Result<()> {
+    let schema = match of {
+        SchemaOf::Scene => scene::schema(),
+        SchemaOf::Batch => scene::schema_of_batch(),
+    };
+    output::print(format!("{schema:#}\n").as_bytes())
 }
 
 /// Prints a completion script.

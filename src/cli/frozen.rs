@@ -1,12 +1,13 @@
 //! Scenes as commands take them: read and frozen, with what there is to tell of them.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde_json::Value;
 
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
-use crate::scene::{self, Built, Description, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
+use crate::scene::{self, Built, Description, Library, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -20,12 +21,16 @@ pub(super) struct Frozen {
     pub(super) pruned: Vec<Pruned>,
     /// What it was frozen for.
     pub(super) wanted: Wanted,
+    /// Pictures that its file names and that could not be read: among the warnings.
+    pub(super) unread: Vec<Problem>,
     /// What tells its description from others.
     pub(super) hash: String,
     /// What its files say.
     pub(super) description: Description,
     /// Files that are named by files of the scene.
     pub(super) files: Vec<PathBuf>,
+    /// The frame of a sequence, and when it begins in seconds.
+    pub(super) frame: Option<(i32, f64)>,
     /// Where each placement was described.
     pub(super) origins: Vec<Place>,
 }
@@ -34,22 +39,52 @@ impl Frozen {
     /// The scene of a file, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
     pub(super) fn read(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
-        let Loaded { description, mut warnings } = scene::load(path, overrides)?;
-        let built = scene::build_for(&description, &wanted).inspect_err(|_| log::warn(&warnings))?;
-        let Built { scene, origins, files, warnings: more, pruned } = built;
+        Self::of(scene::load(path, overrides)?, path, (None, wanted), &Arc::default())
+    }
+
+    /// The scene of a description, or a frame of it, with what a library has of its files.
+    pub(super) fn of(
+        loaded: Loaded,
+        path: &Path,
+        (frame, wanted): (Option<i32>, Wanted),
+        library: &Arc<Library>,
+    ) -> Result<Self> {
+        let Loaded { description, mut warnings } = loaded;
+        let (description, frame) = at_frame(description, frame);
+        let built =
+            scene::build_from(&description, &wanted, library).inspect_err(|_| log::warn(&warnings))?;
+        let Built { scene, origins, files, warnings: more, unread, pruned } = built;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
-        Ok(Self { scene, path: path.to_owned(), warnings, pruned, wanted, hash, description, files, origins })
+        let path = path.to_owned();
+        Ok(Self { scene, path, warnings, unread, pruned, wanted, hash, description, files, frame, origins })
+    }
+
+    /// Becomes another frame of the same scene, if nothing but the camera moves and the files are the same; else says that it cannot.
+    pub(super) fn retake(&mut self, description: &Description, frame: Option<i32>) -> bool {
+        let (description, frame) = at_frame(description.clone(), frame);
+        if !scene::retake(&mut self.scene, &self.description, &description) {
+            return false;
+        }
+        self.hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        (self.description, self.frame) = (description, frame);
+        true
     }
 
     /// The same, with all that was odd logged, and in a line what was left out.
     pub(super) fn told(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
         Self::read(path, overrides, wanted).inspect(|frozen| {
             log::warn(&frozen.warnings);
-            if let Some(summary) = pruned::summary(&frozen.pruned) {
-                tracing::info!("without effect: {summary}; see `specula plan`");
+            if let Some(line) = frozen.without_effect() {
+                tracing::info!("{line}");
             }
         })
+    }
+
+    /// A line about what was left out, if anything was.
+    pub(super) fn without_effect(&self) -> Option<String> {
+        let summary = pruned::summary(&self.pruned)?;
+        Some(format!("without effect: {summary}; see `specula plan`"))
     }
 
     /// What it requires.
@@ -66,4 +101,16 @@ impl Frozen {
     pub(super) fn plan(&self) -> Value {
         plan::to_json(self, &self.needs(), &self.all_warnings())
     }
+}
+
+/// The description at a frame, and when that begins.
+pub(super) fn at_frame(
+    mut description: Description,
+    frame: Option<i32>,
+) -> (Description, Option<(i32, f64)>) {
+    let frame = frame.map(|frame| (frame, description.camera.frame_s(frame)));
+    if let Some((frame, _)) = frame {
+        description.camera.value = description.camera.value.at_frame(frame);
+    }
+    (description, frame)
 }

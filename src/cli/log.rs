@@ -5,7 +5,7 @@ use std::io;
 
 use tracing::{Event, Level, Subscriber};
 use tracing_subscriber::fmt::format::{FormatEvent, FormatFields, Writer};
-use tracing_subscriber::fmt::{FmtContext, fmt};
+use tracing_subscriber::fmt::{FmtContext, FormattedFields, fmt};
 use tracing_subscriber::registry::LookupSpan;
 
 use super::args::{LogArgs, LogFormat, LogLevel};
@@ -66,6 +66,14 @@ where
             Level::DEBUG => "debug: ",
             Level::TRACE => "trace: ",
         })?;
+        // Which of several pictures it is about.
+        if let Some(scope) = context.event_scope() {
+            for span in scope.from_root() {
+                if let Some(fields) = span.extensions().get::<FormattedFields<N>>() {
+                    write!(writer, "{fields}: ")?;
+                }
+            }
+        }
         context.field_format().format_fields(writer.by_ref(), event)?;
         writeln!(writer)
     }

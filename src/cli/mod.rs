@@ -5,10 +5,12 @@
 //! the same checks, the same messages.
 
 mod args;
+mod batch;
 mod bench;
 mod diff;
 mod documents;
 mod farm;
+mod frames;
 mod frozen;
 mod fuzzy;
 mod interrupt;
@@ -21,6 +23,7 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+mod stage;
 mod statistics;
 mod threads;
 
@@ -30,8 +33,9 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine, Farmed,
-    FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs, SlurmArgs,
+    Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine,
+    Farmed, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs,
+    SchemaArgs, SchemaOf, SlurmArgs,
 };
 
 use crate::error::{Error, Result};
@@ -50,12 +54,13 @@ pub fn run(args: Args) -> Result<()> {
     match args.command {
         Command::Render(args) => render::run(&args),
         Command::Plan(args) => plan::run(&args),
+        Command::Batch(args) => batch::run(&args),
         Command::Merge(args) => merge::run(&args),
         Command::Farm(args) => farm::run(&args),
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),
-        Command::Schema => documents::schema(),
+        Command::Schema(args) => documents::schema(args.of),
         Command::Completions(args) => documents::completions(args.shell),
         Command::Man(args) => documents::man(args.dir.as_deref()),
     }
@@ -72,7 +77,7 @@ pub fn fail(error: &Error) -> ExitCode {
     }
     ExitCode::from(match error {
         Error::Input(_) => 2,
-        Error::Io { .. } | Error::Backend { .. } => 1,
+        Error::Io { .. } | Error::Backend { .. } | Error::Failed { .. } => 1,
         Error::Check(_) => 3,
         Error::Interrupted => 130,
     })

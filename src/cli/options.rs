@@ -1,10 +1,12 @@
 //! The command line as meant: checked, with defaults resolved.
 
+mod batch;
 mod bench;
 mod farm;
 mod fuzzy;
 mod merge;
 
+pub(super) use batch::BatchOptions;
 pub(super) use bench::BenchOptions;
 pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
@@ -17,6 +19,7 @@ use std::time::Duration;
 use super::args::{
     CRYPTOMATTE, DiffArgs, FIRST_PASS, PRUNING, PlanArgs, RenderArgs, further_outputs, specialised,
 };
+use super::frames;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window, atomic};
@@ -24,6 +27,7 @@ use crate::measure::Metric;
 use crate::measure::flip::Viewing;
 use crate::render::{Limits, Slice};
 use crate::scene::Wanted;
+use crate::scene::description::Frames;
 use crate::scene::load::words::suggest;
 use crate::scene::needs::capability::{Capabilities, Capability};
 
@@ -39,6 +43,10 @@ pub(super) struct RenderOptions {
     pub(super) parts: Vec<PathBuf>,
     /// What replaces values of the scene file, in this order.
     pub(super) overrides: Vec<String>,
+    /// Frames to render; names of files have a place for the number then.
+    pub(super) frames: Option<Frames>,
+    /// The one frame that this is about.
+    pub(super) frame: Option<i32>,
     pub(super) crop: Option<Window>,
     pub(super) slice: Option<Slice>,
     pub(super) checkpoint: Option<Checkpoints>,
@@ -115,28 +123,36 @@ impl RenderOptions {
     /// What those words mean; all that is wrong with them at once.
     pub(super) fn new(args: &RenderArgs) -> Result<Self> {
         let mut problems = Problems::default();
-        let (parts, pictures) = rendered_paths(args).into_iter().partition(|path| is_part(path));
-        let (parts, outputs): (Vec<PathBuf>, _) = (parts, outputs(pictures, &mut problems));
-        let others: Vec<&PathBuf> = parts.iter().chain(&args.stats).chain(&args.checkpoint).collect();
+        let frames = args.frames.as_deref().and_then(|text| frames(text, &mut problems));
+        let paths = rendered_paths(args);
+        let others = args.stats.iter().chain(&args.checkpoint);
+        places(frames.as_ref(), paths.iter().chain(others.clone()), &mut problems);
+        // What is true of the names of one frame is true of all.
+        let named = |path: &PathBuf| first(frames.as_ref()).map_or(path.clone(), |n| frames::named(path, n));
+        let (parts, pictures): (Vec<PathBuf>, Vec<PathBuf>) =
+            paths.iter().cloned().partition(|path| is_part(path));
+        let checked = outputs(pictures.iter().map(named).collect(), &mut problems);
+        let others: Vec<PathBuf> = parts.iter().chain(others).map(named).collect();
         for (i, path) in others.iter().enumerate() {
             check_target(path, &mut problems);
             let is_taken = |other: &PathBuf| is_same(other, path);
-            if others[..i].iter().any(|other| is_taken(other))
-                || outputs.iter().any(|output| is_taken(&output.path))
-            {
+            if others[..i].iter().any(is_taken) || checked.iter().any(|output| is_taken(&output.path)) {
                 problems.push(twice(path));
             }
         }
         if args.aov.iter().any(|name| name == FIRST_PASS) {
-            check_first_pass(args.checkpoint.is_some(), &outputs, &mut problems);
+            check_first_pass(args.checkpoint.is_some(), &checked, &mut problems);
         }
-        let targets = outputs.iter().map(|output| &output.path).chain(others);
+        let targets = checked.iter().map(|output| &output.path).chain(&others);
         targets.for_each(|target| spare([&args.scene], target, &mut problems));
+        let of_format = |path: PathBuf| Some(Output { format: Format::of(&path).ok()?, path });
         let options = Self {
             scene: args.scene.clone(),
-            outputs,
+            outputs: pictures.into_iter().filter_map(of_format).collect(),
             parts,
             overrides: overrides(args),
+            frames,
+            frame: None,
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             slice: args.slice.as_deref().and_then(|text| slice(text, &mut problems)),
             checkpoint: checkpoint(args, &mut problems),
@@ -157,6 +173,53 @@ impl RenderOptions {
     /// What the scene is to be frozen for.
     pub(super) fn wanted(&self) -> Wanted {
         self.specialise.wanted(self.layout.clone(), self.limits.error.is_some())
+    }
+}
+
+impl RenderOptions {
+    /// One picture after the other: a frame each, or the one that there is.
+    pub(super) fn pictures(&self) -> impl Iterator<Item = Self> {
+        let numbers = match &self.frames {
+            None => vec![None],
+            Some(frames) => frames.numbers().iter().copied().map(Some).collect(),
+        };
+        numbers.into_iter().map(|frame| frame.map_or_else(|| self.clone(), |frame| self.at_frame(frame)))
+    }
+
+    fn at_frame(&self, frame: i32) -> Self {
+        let named = |path: &PathBuf| frames::named(path, frame);
+        let mut options = Self { frame: Some(frame), frames: None, ..self.clone() };
+        options.outputs.iter_mut().for_each(|output| output.path = named(&output.path));
+        options.parts.iter_mut().chain(&mut options.stats).for_each(|path| *path = named(path));
+        if let Some(checkpoint) = &mut options.checkpoint {
+            checkpoint.path = named(&checkpoint.path);
+        }
+        options
+    }
+}
+
+fn first(frames: Option<&Frames>) -> Option<i32> {
+    frames?.numbers().first().copied()
+}
+
+fn frames(text: &str, problems: &mut Problems) -> Option<Frames> {
+    given(Frames::parse(text), ("frames", text), "a range of frames", || Frames::SYNTAX.to_owned(), problems)
+}
+
+/// Files of several frames have places for their numbers, and folders that are there.
+fn places<'a>(frames: Option<&Frames>, paths: impl Iterator<Item = &'a PathBuf>, problems: &mut Problems) {
+    let Some(frames) = frames.filter(|frames| frames.numbers().len() > 1) else { return };
+    for path in paths {
+        if !frames::has_place(path) {
+            let count = frames.numbers().len();
+            let what = format!("`{}` would be written for each of {count} frames", path.display());
+            problems.push(
+                on_command_line(what).remedy("put #### or {frame} where its name is to have the number"),
+            );
+        } else if path.parent().is_some_and(frames::has_place) {
+            let others = &frames.numbers()[1..];
+            others.iter().for_each(|&frame| check_target(&frames::named(path, frame), problems));
+        }
     }
 }
 
@@ -279,10 +342,14 @@ fn rendered_paths(args: &RenderArgs) -> Vec<PathBuf> {
         return args.output.clone();
     }
     let stem = args.scene.file_stem().unwrap_or("picture".as_ref());
+    let stem = match args.frames {
+        Some(_) => with_extension(stem.as_ref(), frames::DEFAULT),
+        None => stem.into(),
+    };
     if let Some(text) = &args.slice {
-        return vec![with_extension(stem.as_ref(), &format!("{}.{PART}", text.trim().replace('/', "of")))];
+        return vec![with_extension(&stem, &format!("{}.{PART}", text.trim().replace('/', "of")))];
     }
-    ["exr", "png"].map(|extension| with_extension(stem.as_ref(), extension)).to_vec()
+    ["exr", "png"].map(|extension| with_extension(&stem, extension)).to_vec()
 }
 
 /// The extension of files of sums.
@@ -357,7 +424,7 @@ fn with_extension(stem: &Path, extension: &str) -> PathBuf {
     name.into()
 }
 
-fn check_target(path: &Path, problems: &mut Problems) {
+pub(super) fn check_target(path: &Path, problems: &mut Problems) {
     if let Err(error) = atomic::check_target(path) {
         problems.absorb(error, None);
     }
@@ -368,7 +435,7 @@ fn twice(path: &Path) -> Problem {
 }
 
 /// The picture, its coverage, and the outputs of these names in the order of the list.
-fn layout(names: &[String], problems: &mut Problems) -> Layout {
+pub(super) fn layout(names: &[String], problems: &mut Problems) -> Layout {
     let known = further_outputs();
     for name in names.iter().filter(|name| !known.contains(&name.as_str())) {
         let what = format!("there is no output `{name}`");
@@ -379,12 +446,14 @@ fn layout(names: &[String], problems: &mut Problems) -> Layout {
     Layout::with(Aov::ALL.into_iter().filter(|&aov| names.iter().any(|name| means(name, aov))))
 }
 
+/// The pixels between these corners, if there are any.
+pub(super) fn window([x0, y0, x1, y1]: [u32; 4]) -> Option<Window> {
+    Some(Window { x0, y0, x1, y1 }).filter(|window| !window.is_empty())
+}
+
 fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
     let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    let window = match numbers.as_deref() {
-        Some(&[x0, y0, x1, y1]) => Some(Window { x0, y0, x1, y1 }).filter(|window| !window.is_empty()),
-        _ => None,
-    };
+    let window = numbers.and_then(|numbers| window(numbers.try_into().ok()?));
     let remedy = || "give x0,y0,x1,y1 with x0 < x1 and y0 < y1, counted from 0 at the top left".to_owned();
     given(window, ("crop", text), "a rectangle of pixels", remedy, problems)
 }

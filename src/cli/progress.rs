@@ -19,8 +19,8 @@ const BAR_EVERY: Duration = Duration::from_millis(100);
 #[derive(Debug)]
 pub(super) struct Meter {
     start: Instant,
-    /// What is counted.
-    unit: &'static str,
+    /// What is counted, and how many steps one of it has.
+    unit: (&'static str, u64),
     display: Display,
     /// When it was shown last.
     last: Mutex<Instant>,
@@ -37,6 +37,11 @@ enum Display {
 impl Meter {
     /// Starts the clock; `unit` is what is counted. `quiet` shows nothing.
     pub(super) fn new(quiet: bool, unit: &'static str, interrupt: Interrupt) -> Self {
+        Self::in_steps(quiet, (unit, 1), interrupt)
+    }
+
+    /// The same, told in so many steps of each unit.
+    pub(super) fn in_steps(quiet: bool, unit: (&'static str, u64), interrupt: Interrupt) -> Self {
         let display = if quiet {
             Display::None
         } else if io::stderr().is_terminal() {
@@ -103,13 +108,15 @@ fn percent(done: u64, total: u64) -> u64 {
 
 /// Rate and remaining time, such as `1.25 Msamples/s, 1:05 left`.
 #[expect(clippy::cast_precision_loss, reason = "three digits are shown")]
-fn pace([done, total]: [u64; 2], unit: &str, elapsed: Duration) -> String {
+fn pace([done, total]: [u64; 2], (unit, steps): (&str, u64), elapsed: Duration) -> String {
     let rate = done as f64 / elapsed.as_secs_f64().max(1e-9);
     if done == 0 {
         return "starting".to_owned();
     }
     let left = Duration::try_from_secs_f64(total.saturating_sub(done) as f64 / rate).unwrap_or(Duration::MAX);
-    format!("{}{unit}/s, {} left", metric(rate), clock(left))
+    let counted =
+        if steps > 1 { format!("{} of {} {unit}, ", done / steps, total / steps) } else { String::new() };
+    format!("{counted}{}{unit}/s, {} left", metric(rate / steps as f64), clock(left))
 }
 
 /// Three digits and a prefix.
@@ -143,10 +150,12 @@ mod tests {
 
     #[test]
     fn pace_is_rate_and_remaining_time() {
-        let text = pace([2_500_000, 10_000_000], "samples", Duration::from_secs(2));
+        let text = pace([2_500_000, 10_000_000], ("samples", 1), Duration::from_secs(2));
         assert_eq!(text, "1.25 Msamples/s, 0:06 left", "a quarter in two seconds");
-        assert_eq!(pace([0, 10], "samples", Duration::ZERO), "starting", "nothing known");
-        assert_eq!(pace([10, 10], "pixels", Duration::from_secs(1)), "10.0 pixels/s, 0:00 left", "done");
+        assert_eq!(pace([0, 10], ("samples", 1), Duration::ZERO), "starting", "nothing known");
+        let pictures = pace([2500, 10_000], ("pictures", 1000), Duration::from_secs(10));
+        assert_eq!(pictures, "2 of 10 pictures, 0.25 pictures/s, 0:30 left", "two and a half");
+        assert_eq!(pace([10, 10], ("pixels", 1), Duration::from_secs(1)), "10.0 pixels/s, 0:00 left", "done");
     }
 
     #[test]

@@ -7,73 +7,85 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::args::RenderArgs;
+use super::batch::memory;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
-use super::kept::{self, Kept};
+use super::kept;
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
+use super::stage::{Made, Order, Stage};
 use super::statistics::{self, Times};
 use super::{log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
 use crate::post;
-use crate::render::{self, Ended, Estimate, Keeper, Limits, Part, Phase, Rendered, Settings};
+use crate::render::{self, Ended, Estimate, Part, Phase, Rendered, Settings, Studio};
 use crate::scene::description::Tone;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Library, Scene};
 
-/// Renders a scene to files, whose names it prints.
+/// Renders a scene, or frames of it, to files, whose names it prints.
 pub(super) fn run(args: &RenderArgs) -> Result<()> {
-    let start = Instant::now();
+    let mut start = Instant::now();
     log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     threads::limit(options.threads);
 
-    let (frozen, load) = Phase::of(|| load(&options));
-    let (frozen, about) = frozen?;
-    let scene = &frozen.scene;
-    interrupt.check()?;
+    let (loaded, mut reading) = Phase::of(|| {
+        tracing::debug!("reading {}", options.scene.display());
+        scene::load(&options.scene, &options.overrides)
+    });
+    let loaded = loaded?;
+    let count = options.frames.as_ref().map_or(1, |frames| frames.numbers().len());
+    // One picture has nobody to keep files for.
+    let library = Library::of_bytes(if count > 1 { memory::half_of_free() } else { 0 });
+    let mut stage = Stage::new(Studio::new(options.threads)?, library.into());
+    for (picture, number) in options.pictures().zip(1..) {
+        if let Some(frame) = picture.frame.filter(|_| count > 1) {
+            tracing::info!("frame {frame}, {number} of {count}");
+        }
+        let order = Order { options: &picture, loaded: &loaded, start, is_lenient: false };
+        one(&mut stage, &order, (args.log.quiet, &interrupt), (reading, number == count))?;
+        (start, reading) = (Instant::now(), Phase::default());
+    }
+    Ok(())
+}
 
-    let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, (scene, about.clone())));
-    let kept = kept.transpose()?;
-    let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
-    let meter = Meter::new(args.log.quiet, "samples", interrupt);
-    let settings = settings(&options, start);
-    let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-    let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
+/// Renders one picture, after the scene file was read for it; with `is_last` the hierarchy is given up before pictures are written.
+fn one(
+    stage: &mut Stage,
+    order: &Order<'_>,
+    (quiet, interrupt): (bool, &Interrupt),
+    (reading, is_last): (Phase, bool),
+) -> Result<()> {
+    let options = order.options;
+    interrupt.check()?;
+    let read = stage.load(order)?;
+    let meter = Meter::new(quiet, "samples", interrupt.clone());
+    let made = stage.make(order, read, &meter);
     meter.finish();
-    let rendered = rendered?;
-    tell(&options, scene, &rendered);
+    let Made { rendered, about, settings, mut load, kept } = made?;
+    load += reading;
+    if is_last {
+        stage.clear_hierarchy();
+    }
+    let frozen = stage.frozen()?;
+    tell(options, &frozen.scene, &rendered);
 
     let (written, write) = Phase::of(|| {
-        write(&options, &frozen, &rendered, load)?;
-        write_parts(&options, (&frozen, about), (&settings, &rendered), load)
+        write(options, frozen, &rendered, (load, &[]))?;
+        write_parts(options, (frozen, about), (&settings, &rendered), load)
     });
     written?;
     if let Some(path) = &options.stats {
-        let report = statistics::report(&options, &frozen, &rendered, Times { load, write });
+        let report = statistics::report(options, frozen, &rendered, Times { load, write });
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {
         kept.remove();
     }
-    output::print(names(&options).as_bytes())
-}
-
-/// What the scene does not say. The limit of time began at `start`.
-fn settings(options: &RenderOptions, start: Instant) -> Settings {
-    Settings {
-        threads: options.threads,
-        crop: options.crop,
-        layout: options.layout.clone(),
-        first_pass: options.first_pass,
-        slice: options.slice,
-        limits: Limits {
-            time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
-            ..options.limits
-        },
-    }
+    output::print(names(options).as_bytes())
 }
 
 /// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
@@ -85,14 +97,6 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
         }
         (error, _) => error,
     }
-}
-
-/// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
-fn load(options: &RenderOptions) -> Result<(Frozen, Value)> {
-    let frozen = Frozen::told(&options.scene, &options.overrides, options.wanted())?;
-    let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
-    let about = if is_kept { kept::about(options, &frozen)? } else { Value::Null };
-    Ok((frozen, about))
 }
 
 /// Logs how it went, and what was dropped.
@@ -121,6 +125,11 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
             tracing::warn!("too few samples to estimate the error");
         }
     }
+    tell_dropped(options, scene, rendered);
+}
+
+/// Warns of samples that were dropped.
+pub(super) fn tell_dropped(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {
         tracing::warn!(
@@ -131,12 +140,18 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     }
 }
 
-/// Writes all pictures.
-fn write(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, load: Phase) -> Result<()> {
+/// Writes all pictures, with `more` metadata.
+pub(super) fn write(
+    options: &RenderOptions,
+    frozen: &Frozen,
+    rendered: &Rendered,
+    (load, more): (Phase, &[(String, String)]),
+) -> Result<()> {
     for Output { path, format } in &options.outputs {
         match format {
             Format::Exr => {
-                let attributes = statistics::attributes(frozen, rendered, load);
+                let mut attributes = statistics::attributes(frozen, rendered, load);
+                attributes.extend_from_slice(more);
                 let mut picture = rendered.film.picture(options.precision, attributes);
                 if options.first_pass {
                     let (channels, attributes) = post::layers(&rendered.first_pass);

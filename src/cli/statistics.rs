@@ -78,10 +78,18 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
     if settings.integrator == Integrator::View {
         entries.push(("view", settings.view.word().to_owned()));
     }
+    entries.extend(frame(frozen));
     entries.extend(peak_memory().map(|bytes| ("peak_memory_bytes", bytes.to_string())));
     entries.push(("plan", frozen.plan().to_string()));
     let entries = entries.into_iter().map(|(key, value)| (format!("specula:{key}"), value));
     entries.chain(names(&rendered.film)).collect()
+}
+
+/// Which frame of a sequence it is.
+fn frame(frozen: &Frozen) -> impl Iterator<Item = (&'static str, String)> {
+    let entries =
+        |(frame, time_s): (i32, f64)| [("frame", frame.to_string()), ("frame_time_s", time_s.to_string())];
+    frozen.frame.into_iter().flat_map(entries)
 }
 
 /// An instruction set of ours and how many lanes it has: `avx512 x 16`.
@@ -141,6 +149,16 @@ fn names(film: &Film) -> Vec<(String, String)> {
 
 /// Everything counted and timed.
 pub(super) fn report(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
+    let mut report = counted(options, frozen, rendered, times);
+    if let Some((frame, time_s)) = frozen.frame {
+        report["frame"] = frame.into();
+        report["frame_time_s"] = time_s.into();
+    }
+    report
+}
+
+/// The same but for the frame.
+fn counted(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times: Times) -> Value {
     let scene = &frozen.scene;
     let settings = &scene.render;
     let is_tree = is_tree(settings);
@@ -272,13 +290,14 @@ pub(super) fn replay(options: &RenderOptions, spp: Option<u32>, sample: SampleId
         words.extend(["-D".to_owned(), quoted(text)]);
     }
     words.extend(spp.map(|spp| format!("--spp={spp}")));
+    words.extend(options.frame.map(|frame| format!("--frames={frame}")));
     words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
     words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
     words.join(" ")
 }
 
 /// The word as a POSIX shell reads it back.
-fn quoted(word: &str) -> String {
+pub(super) fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
@@ -291,7 +310,7 @@ pub(super) fn phase(phase: Phase) -> Value {
 }
 
 /// Seconds to the microsecond.
-fn seconds(time: Duration) -> f64 {
+pub(super) fn seconds(time: Duration) -> f64 {
     (time.as_secs_f64() * 1e6).round() / 1e6
 }
 
@@ -320,6 +339,8 @@ mod tests {
             scene: "my scenes/a.toml".into(),
             outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
+            frames: None,
+            frame: Some(-2),
             parts: Vec::new(),
             layout: crate::film::Layout::default(),
             first_pass: false,
@@ -333,7 +354,7 @@ mod tests {
             stats: None,
         };
         let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
-        let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --crop 3,5,4,6 -o pixel.exr";
+        let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --frames=-2 --crop 3,5,4,6 -o pixel.exr";
         assert_eq!(command, wanted, "quoted for a shell");
     }
 

@@ -9,6 +9,7 @@ use crate::math::lanes::Lanes;
 use crate::math::{Frame, Rgb, Vec3};
 use crate::sampling::warp;
 use std::f32::consts::FRAC_1_PI;
+use std::sync::Arc;
 
 /// Radiance from every direction.
 #[derive(Clone, Debug)]
@@ -16,7 +17,7 @@ pub enum Environment {
     /// The same from everywhere.
     Constant(Rgb<f32>),
     /// A picture.
-    Map(Box<EnvironmentMap>),
+    Map(Arc<EnvironmentMap>),
 }
 
 impl Environment {

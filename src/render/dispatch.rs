@@ -1,19 +1,18 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
-use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
+use crate::accel::Accel;
+use crate::accel::bvh::{BvhAccel, Hierarchy, Options};
 use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError, SceneOptions};
-use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
+use crate::geometry::World;
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
 use crate::render::query::{query, shading};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
-use crate::render::{
-    Checkpoint, Keeper, Outline, Phase, Progress, Rendered, Settings, Slice, State, Statistics,
-};
+use crate::render::{Checkpoint, Keeper, Outline, Progress, Rendered, Settings, Slice, Statistics, Studio};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
 use crate::scene::needs::capability::Capability;
@@ -22,7 +21,7 @@ use std::fmt;
 use std::io::Read;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::ops::{ControlFlow, Range};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Instant;
 
@@ -61,38 +60,7 @@ pub fn render_kept(
     progress: &dyn Progress,
     kept: Kept<'_>,
 ) -> Result<Rendered> {
-    let mut plan = plan(scene, settings, (progress, kept.keeper.is_some() || kept.begin.is_some()))?;
-    plan.keeper = kept.keeper;
-    if let Some((checkpoint, place)) = kept.begin {
-        let State { film, course, .. } = plan.state();
-        let tiles = tiles::tiles(plan.window);
-        let state = checkpoint.state((film, course), &tiles, &plan.samples);
-        let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
-        plan.begin = Mutex::new(Some(state));
-    }
-    let (threads, pool) = pool(settings)?;
-    let (mut rendered, build) = match scene.render.backend {
-        description::Backend::Embree => {
-            let (accel, build) = Phase::of(|| embree(scene, threads, progress));
-            let accel = accel?;
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            rendered.statistics.backend = format!("embree {}", accel.device().version());
-            rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
-            (rendered, build)
-        }
-        description::Backend::Bvh2 => hierarchy::<Binary>(&plan, &pool)?,
-        description::Backend::CwBvh => hierarchy::<Wide>(&plan, &pool)?,
-        description::Backend::Brute => {
-            let (accel, build) = Phase::of(|| Brute::new(scene.world.clone()));
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            "brute".clone_into(&mut rendered.statistics.backend);
-            "scalar".clone_into(&mut rendered.statistics.isa);
-            (rendered, build)
-        }
-    };
-    rendered.statistics.build = build;
-    rendered.statistics.threads = threads;
-    Ok(rendered)
+    Studio::new(settings.threads)?.render(scene, settings, progress, kept)
 }
 
 /// What finds hits for a scene, as far as pixels depend on it: Embree's kernels of other versions and instruction sets meet edges elsewhere,
@@ -132,13 +100,13 @@ pub fn render_on<A: Accel>(
     progress: &dyn Progress,
 ) -> Result<Rendered> {
     let plan = plan(scene, settings, (progress, false))?;
-    let (threads, pool) = pool(settings)?;
+    let (threads, pool) = pool(settings.threads)?;
     let mut rendered = pool.install(|| with_accel(&plan, accel))?;
     rendered.statistics.threads = threads;
     Ok(rendered)
 }
 
-fn plan<'a>(
+pub(super) fn plan<'a>(
     scene: &'a Scene,
     settings: &Settings,
     (progress, is_kept): (&'a dyn Progress, bool),
@@ -168,9 +136,8 @@ fn plan<'a>(
 }
 
 /// Threads that render, and how many.
-fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
-    let threads =
-        settings.threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
+    let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(threads)
         .thread_name(|i| format!("render {i}"))
@@ -179,7 +146,7 @@ fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
     Ok((threads, pool))
 }
 
-fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
+pub(super) fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
     let options = BuildOptions {
         device: Config { threads, ..Config::from_env() },
@@ -192,21 +159,18 @@ fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<Embr
     })
 }
 
-/// Builds a hierarchy on the threads that then trace.
-fn hierarchy<H: Hierarchy>(plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<(Rendered, Phase)> {
-    let go_on =
-        |_| if plan.progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let (accel, build) = Phase::of(|| {
-        pool.install(|| BvhAccel::<H>::build_with(&plan.scene.world, &Options::default(), &go_on))
-    });
-    let accel = accel.ok_or(Error::Interrupted)?;
-    let mut rendered = pool.install(|| with_accel(plan, &accel))?;
-    rendered.statistics.backend = format!("{} (obvhs {})", H::NAME, bvh::VERSION);
-    accel.isa().clone_into(&mut rendered.statistics.isa);
-    Ok((rendered, build))
+/// A hierarchy built on these threads.
+pub(super) fn hierarchy<H: Hierarchy>(
+    world: &Arc<World>,
+    pool: &rayon::ThreadPool,
+    progress: &dyn Progress,
+) -> Result<BvhAccel<H>> {
+    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let accel = pool.install(|| BvhAccel::<H>::build_with(world, &Options::default(), &go_on));
+    accel.ok_or(Error::Interrupted)
 }
 
-fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
+pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let settings = &plan.scene.render;
     let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;
     let splitting = Splitting { lights: settings.light_samples(), glossy: settings.glossy_samples(), hits };

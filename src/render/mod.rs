@@ -20,6 +20,7 @@ mod samples;
 mod schedule;
 mod slice;
 mod state;
+mod studio;
 mod tiles;
 mod two_pass;
 
@@ -31,4 +32,5 @@ pub use part::{Outline, Part, PartFile};
 pub use query::{Chosen, lanes, level, query, shading};
 pub use slice::Slice;
 pub use state::{Checkpoint, Keeper, State};
+pub use studio::Studio;
 pub use two_pass::filter_of;

@@ -1,8 +1,8 @@
 //! What a picture is of: the description and all files that it is made of.
 
 use crate::error::{Error, Result};
-use crate::scene::Description;
 use crate::scene::fingerprint::related;
+use crate::scene::{Description, Library};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -17,16 +17,41 @@ use xxhash_rust::xxh3::Xxh3;
 ///
 /// Fails if a file cannot be read.
 pub fn identity(description: &Description, folder: &Path, more: &[PathBuf]) -> Result<Value> {
-    let scene = related(description, folder);
+    let files = digest_of_files(description, folder, more, &Library::default())?;
+    Ok(json!({ "scene": related(description, folder), "files": files }))
+}
+
+/// The part of [`identity`] that is about files, with digits that a library has already.
+///
+/// Fails if a file cannot be read.
+pub fn digest_of_files(
+    description: &Description,
+    folder: &Path,
+    more: &[PathBuf],
+    library: &Library,
+) -> Result<Map<String, Value>> {
+    let folder = full(folder);
+    let mut digests = Map::new();
+    for path in &files(description, more) {
+        digests.insert(seen(path, &folder), library.digits(path)?.into());
+    }
+    Ok(digests)
+}
+
+/// Digits of a file that is called so as seen from `folder`.
+///
+/// Fails if it cannot be read.
+pub fn digest_of_file(name: &str, folder: &Path, library: &Library) -> Result<String> {
+    library.digits(&full(folder).join(name))
+}
+
+/// The files that a description names, and `more`: from the root, each once, in order.
+#[must_use]
+pub fn files(description: &Description, more: &[PathBuf]) -> Vec<PathBuf> {
     let mut paths: BTreeSet<PathBuf> = more.iter().cloned().collect();
     collect(&description.to_json(), &mut paths);
-    let folder = full(folder);
     let paths: BTreeSet<PathBuf> = paths.iter().map(|path| full(path)).collect();
-    let mut files = Map::new();
-    for path in &paths {
-        files.insert(seen(path, &folder), digits(path)?.into());
-    }
-    Ok(json!({ "scene": scene, "files": files }))
+    paths.into_iter().collect()
 }
 
 /// From the root, without links where it is there.
@@ -62,7 +87,7 @@ fn collect(json: &Value, into: &mut BTreeSet<PathBuf>) {
 }
 
 /// Of what a file holds.
-fn digits(path: &Path) -> Result<String> {
+pub(super) fn digits(path: &Path) -> Result<String> {
     let failed = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
     let mut file = match File::open(path) {
         Ok(file) => file,

@@ -3,19 +3,29 @@
 //! It comes from the declarations in [`crate::scene::description`]. What it cannot say: that references resolve, that
 //! files exist, and relations between keys of one table, such as that a camera does not stand at the point it looks at.
 
-use crate::scene::description::Description;
+use crate::scene::description::{Batch, Description};
 use crate::scene::record::{Choice, Kind, Rules, Table};
 use serde_json::{Map, Value as Json, json};
 
 /// The schema of a scene file.
 #[must_use]
 pub fn schema() -> Json {
+    of_file::<Description>("Scene file of Specula")
+}
+
+/// The schema of a batch file.
+#[must_use]
+pub fn schema_of_batch() -> Json {
+    of_file::<Batch>("Batch file of Specula")
+}
+
+fn of_file<T: Table>(title: &str) -> Json {
     let mut definitions = Map::new();
-    let kinds = Description::kinds(&mut definitions);
+    let kinds = T::kinds(&mut definitions);
     let mut schema = Map::new();
     schema.insert("$schema".into(), "https://json-schema.org/draft/2020-12/schema".into());
-    schema.insert("title".into(), "Scene file of Specula".into());
-    schema.extend(of_kinds(Description::ABOUT, kinds));
+    schema.insert("title".into(), title.into());
+    schema.extend(of_kinds(T::ABOUT, kinds));
     schema.insert("$defs".into(), definitions.into());
     schema.into()
 }

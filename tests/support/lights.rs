@@ -47,6 +47,6 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
         ("spot", Light::Spot(Spot { position, axis, intensity: radiance, cos_outer, cos_inner })),
         ("sun", Light::Directional(Directional { direction: axis, irradiance: radiance })),
         ("sky", Light::Environment(Environment::Constant(radiance))),
-        ("picture", Light::Environment(Environment::Map(Box::new(picture)))),
+        ("picture", Light::Environment(Environment::Map(std::sync::Arc::new(picture)))),
     ]
 }

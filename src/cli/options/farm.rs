@@ -121,6 +121,7 @@ fn whole(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
         // So that the time between copies is looked at; every task has a file of its own.
         checkpoint: args.checkpoint_every.as_ref().map(|_| with_extension(&outputs[0], "ckpt")),
         resume: false,
+        frames: None,
         time_limit: None,
         target_error: None,
         ..args.clone()
@@ -135,6 +136,12 @@ fn refuse(args: &RenderArgs, problems: &mut Problems) {
     let refused = [
         (args.time_limit.is_some(), "--time-limit", ends, by_spp),
         (args.target_error.is_some(), "--target-error", ends, by_spp),
+        (
+            args.frames.is_some(),
+            "--frames",
+            "its slices are those of one picture",
+            "give the shutter of the frame by -D, or render frames by `specula batch`",
+        ),
         (args.slice.is_some(), "--slice", own, "say how many by --slices N"),
         (args.checkpoint.is_some(), "--checkpoint", own, "leave it out; --checkpoint-every says how often"),
         (args.resume, "--resume", "tasks always go on from their checkpoints", "leave it out"),

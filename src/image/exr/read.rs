@@ -8,7 +8,7 @@ use exr::image::read::read as reader;
 use exr::image::{AnyChannels, FlatSamples, Layer};
 use exr::meta::MetaData;
 use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
-use exr::meta::header::Header;
+use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 
 use super::{Channel, Picture, Samples};
@@ -82,6 +82,14 @@ pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
         })
     });
     Ok(infos.collect())
+}
+
+/// The metadata of an EXR file that are text, read from its header alone.
+pub fn attributes(path: &Path) -> Result<Vec<(String, String)>> {
+    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let file = BufReader::new(File::open(path).map_err(io)?);
+    let meta = MetaData::read_from_buffered(file, false).map_err(|e| refused(path, &e))?;
+    Ok(meta.headers.first().map(|header| texts_of(&header.own_attributes)).unwrap_or_default())
 }
 
 fn contents(path: &Path) -> Result<Vec<u8>> {
@@ -158,8 +166,12 @@ fn named(layer: Layer<AnyChannels<FlatSamples>>, prefixed: bool) -> Vec<Channel>
 
 /// The metadata of a part that are text.
 fn texts(layer: &Layer<AnyChannels<FlatSamples>>) -> Vec<(String, String)> {
+    texts_of(&layer.attributes)
+}
+
+fn texts_of(attributes: &LayerAttributes) -> Vec<(String, String)> {
     let utf8 = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
-    let entries = layer.attributes.other.iter().filter_map(|(key, value)| match value {
+    let entries = attributes.other.iter().filter_map(|(key, value)| match value {
         AttributeValue::Text(value) => Some((utf8(key.bytes()), utf8(value.bytes()))),
         _ => None,
     });

@@ -12,9 +12,11 @@ use crate::math::Rgb;
 use crate::sampling::TableError;
 use crate::scene::build::{Builder, forms, number, steps, unit, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
+use crate::scene::library::{self, Made};
 use crate::texture::Texture;
 use glam::{DAffine3, Vec3};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 impl Builder {
     pub(super) fn add_lights(&mut self, lights: &[Located<description::Light>]) {
@@ -94,7 +96,7 @@ impl Builder {
         place: &Place,
     ) {
         let Some(loaded) = self.mesh_of_file(file, Normals::File) else { return };
-        let shape = Shape::Mesh(loaded.mesh);
+        let shape = Shape::Mesh(loaded.mesh.clone());
         let own = DAffine3::from_translation(loaded.origin);
         let map = match steps::transform(transform, |map| steps::extent_of(&shape, &(*map * own))) {
             Ok(map) => DAffine3::from_translation(-self.origin.0) * map * own,
@@ -126,17 +128,22 @@ impl Builder {
         let environment = match sky {
             Sky::Constant { radiance } => Environment::Constant(radiance.scale(scale)),
             Sky::File { file } => {
-                let decoded = match image::read(&file.value) {
-                    Ok(decoded) => decoded,
-                    Err(error) => return self.problems.absorb(error, Some(&file.place)),
-                };
-                self.warnings.extend(decoded.warnings);
-                match EnvironmentMap::new(decoded.image, scale, rotation) {
-                    Ok(map) => Environment::Map(Box::new(map)),
-                    Err(error) => {
+                let form = library::Form::Sky(scale.to_bits(), rotation.to_bits());
+                let sky = self.library.clone().thing(&file.value, form, || {
+                    let decoded = image::read(&file.value)?;
+                    let map = EnvironmentMap::new(decoded.image, scale, rotation).map_err(|error| {
                         let what = format!("{}: cannot light a scene: {error}", file.value.display());
-                        return self.problems.push(Problem::at(file.place.clone(), what));
+                        Problem::at(file.place.clone(), what)
+                    })?;
+                    Ok(Made { bytes: map.bytes(), thing: (Arc::new(map), decoded.warnings), more: vec![] })
+                });
+                match sky {
+                    Ok(sky) => {
+                        let (map, warnings) = &*sky;
+                        self.warnings.extend(warnings.iter().cloned());
+                        Environment::Map(map.clone())
                     }
+                    Err(error) => return self.problems.absorb(error, Some(&file.place)),
                 }
             }
         };

@@ -6,6 +6,7 @@
 //! [`build_for`] leaves out more, by what is wanted: attributes of vertices that nobody reads, and what has no effect
 //! (`pruning`); or switches on what nobody needs (`forced`).
 
+mod again;
 mod attributes;
 mod camera;
 mod cut_outs;
@@ -22,6 +23,8 @@ mod surfaces;
 mod textures;
 mod way;
 
+pub use again::retake;
+
 use crate::bsdf::FresnelModel;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::Names;
@@ -30,6 +33,7 @@ use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
+use crate::scene::library::Library;
 use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::scene::needs::count::{self, Places};
 use crate::scene::pruned::{Ineffective, Pruned};
@@ -56,6 +60,8 @@ pub struct Built {
     pub warnings: Vec<Problem>,
     /// What had no effect, and was left out.
     pub pruned: Vec<Pruned>,
+    /// Those of the warnings that are about pictures that the description names itself and that could not be read.
+    pub unread: Vec<Problem>,
 }
 
 /// Reads the files that `description` names and freezes the scene, for whatever may be asked of it. Fails with all problems of all
@@ -67,12 +73,17 @@ pub fn build(description: &Description) -> Result<Built> {
 /// As [`build`], for what is wanted: what that does not need is left out. Files of materials that nothing is made of are then not
 /// read, so faults in these are not found.
 pub fn build_for(description: &Description, wanted: &Wanted) -> Result<Built> {
+    build_from(description, wanted, &Arc::default())
+}
+
+/// The same, with what a library has of its files.
+pub fn build_from(description: &Description, wanted: &Wanted, library: &Arc<Library>) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
-    let prunes = wanted.prunes;
-    let mut builder = Builder { shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
+    let (prunes, library) = (wanted.prunes, library.clone());
+    let mut builder = Builder { library, shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
     let referenced = prunes.then(|| pruning::referenced(description));
     builder.add_materials(&description.materials, referenced.as_ref());
     builder.add_shapes(&description.shapes);
@@ -108,13 +119,8 @@ pub fn build_for(description: &Description, wanted: &Wanted) -> Result<Built> {
     scene.asked = count::asked(&scene, places);
     scene.required = count::set(&scene.asked);
     let scene = forced::force(scene, (&description.camera, origin));
-    builder.problems.into_result(Built {
-        scene: looking_for_glass(scene),
-        origins: builder.origins,
-        files,
-        warnings: builder.warnings,
-        pruned: builder.pruned,
-    })
+    let Builder { origins, warnings, unread, pruned, problems, .. } = builder;
+    problems.into_result(Built { scene: looking_for_glass(scene), origins, files, warnings, unread, pruned })
 }
 
 /// The scene whose shadow rays look for glass if there is any, and if it says so.
@@ -129,6 +135,7 @@ fn looking_for_glass(scene: Scene) -> Scene {
 /// A scene under way.
 #[derive(Debug, Default)]
 struct Builder {
+    library: Arc<Library>,
     shutter: Shutter,
     origin: Origin,
     world: World,
@@ -156,6 +163,8 @@ struct Builder {
     /// Whether what has no effect is left out.
     prunes: bool,
     pruned: Vec<Pruned>,
+    /// Warnings of pictures that were not read.
+    unread: Vec<Problem>,
 }
 
 impl Builder {

@@ -11,6 +11,7 @@ use crate::scene::pruned::{Ineffective, Pruned};
 use crate::texture::{Bitmap, Channel, Height, Relief, Scalar, Texture};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Opacities closer to a half than this may fall to either side, by the rounding of an interpolation.
 const UNDECIDED: f32 = 1e-5;
@@ -18,32 +19,27 @@ const UNDECIDED: f32 = 1e-5;
 /// Meshes of files that have been read, and how they were asked for.
 #[derive(Debug, Default)]
 pub(super) struct Meshes {
-    known: Vec<(PathBuf, Shading, About, LoadedMesh)>,
+    known: Vec<(PathBuf, Shading, About, Arc<LoadedMesh>)>,
 }
 
 impl Meshes {
     /// The mesh of a file that has been read in the same way.
-    pub(super) fn known(&self, path: &Path, shading: Shading, about: About) -> Option<LoadedMesh> {
-        let is_same = |known: &&(PathBuf, Shading, About, LoadedMesh)| {
+    pub(super) fn known(&self, path: &Path, shading: Shading, about: About) -> Option<Arc<LoadedMesh>> {
+        let is_same = |known: &&(PathBuf, Shading, About, Arc<LoadedMesh>)| {
             known.0 == path && known.1 == shading && known.2 == about
         };
         self.known.iter().find(is_same).map(|(.., loaded)| loaded.clone())
     }
 
     /// Notes one; the same mesh from another file stands for it. Whether there was one.
-    pub(super) fn note(&mut self, asked: (PathBuf, Shading, About), loaded: &mut LoadedMesh) -> bool {
+    pub(super) fn note(&mut self, asked: (PathBuf, Shading, About), loaded: &mut Arc<LoadedMesh>) -> bool {
         let same = self.known.iter().find(|(.., known)| known.mesh == loaded.mesh);
         let is_known = same.is_some();
         if let Some((.., known)) = same {
-            loaded.mesh = known.mesh.clone();
+            *loaded = Arc::new(LoadedMesh { mesh: known.mesh.clone(), ..LoadedMesh::clone(loaded) });
         }
         let (path, shading, about) = asked;
-        // What is odd about a file, and what it names, is told once.
-        let (warnings, libraries) = (Vec::new(), Vec::new());
-        let materials = loaded.materials.clone();
-        let copy =
-            LoadedMesh { mesh: loaded.mesh.clone(), origin: loaded.origin, materials, libraries, warnings };
-        self.known.push((path, shading, about, copy));
+        self.known.push((path, shading, about, loaded.clone()));
         is_known
     }
 }

@@ -8,15 +8,17 @@ use crate::scene::build::textures::canonical;
 use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
+use crate::scene::library::{self, Made};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
 use crate::scene::pruned::Ineffective;
 use crate::scene::track::Track;
 use glam::{DAffine3, DVec3, Vec2};
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// A described shape, made.
-struct Made {
+struct Formed {
     shape: Shape,
     /// What its coordinates count from.
     origin: DVec3,
@@ -90,7 +92,7 @@ impl Builder {
         described: &Located<description::Shape>,
         is_prototype: bool,
     ) -> Option<Prototype> {
-        let Made { shape, origin, materials } = self.make(described)?;
+        let Formed { shape, origin, materials } = self.make(described)?;
         let mut way = Way::default();
         way.carry(DAffine3::from_translation(origin));
         let way = self.carried(described, &shape, way)?;
@@ -201,7 +203,7 @@ impl Builder {
         is_hole
     }
 
-    fn make(&mut self, described: &Located<description::Shape>) -> Option<Made> {
+    fn make(&mut self, described: &Located<description::Shape>) -> Option<Formed> {
         let own = described.material.as_ref().and_then(|name| self.material_named(&name.value));
         if let &Form::Mesh { ref file, normals, crease_deg } = &described.form {
             return self.mesh(file, Shading { normals, crease_deg }, own);
@@ -226,7 +228,7 @@ impl Builder {
             form @ Form::HeightField { .. } => self.height_field(form, origin, &described.place)?,
             Form::Mesh { .. } | Form::Instance { .. } => return None,
         };
-        Some(Made { shape, origin, materials: vec![own?] })
+        Some(Formed { shape, origin, materials: vec![own?] })
     }
 
     /// The mesh of a file, in the material `own` or those that the file brings.
@@ -234,20 +236,27 @@ impl Builder {
         &mut self,
         file: &Located<PathBuf>,
         shading: impl Into<Shading>,
-    ) -> Option<LoadedMesh> {
-        let about = if self.origin.is_moved() { About::Middle } else { About::Needed };
-        let (shading, path) = (shading.into(), canonical(&file.value));
+    ) -> Option<Arc<LoadedMesh>> {
+        let (shading, is_moved) = (shading.into(), self.origin.is_moved());
+        let about = if is_moved { About::Middle } else { About::Needed };
+        let path = canonical(&file.value);
         if let Some(known) = self.meshes.known(&path, shading, about).filter(|_| self.prunes) {
             self.prune_mesh(file, &known.mesh);
             return Some(known);
         }
-        match load_mesh_about(&file.value, shading, about) {
+        let form = library::Form::Mesh(shading.normals, shading.crease_deg.to_bits(), is_moved);
+        let library = self.library.clone();
+        let loaded = library.thing(&file.value, form, || {
+            let thing = load_mesh_about(&file.value, shading, about)?;
+            Ok(Made { bytes: thing.mesh.bytes(), more: thing.libraries.clone(), thing })
+        });
+        match loaded {
             Ok(mut loaded) => {
+                self.warnings.extend(loaded.warnings.iter().cloned());
+                self.files.extend(loaded.libraries.iter().cloned());
                 if self.prunes && self.meshes.note((path, shading, about), &mut loaded) {
                     self.prune_mesh(file, &loaded.mesh);
                 }
-                self.warnings.append(&mut loaded.warnings);
-                self.files.append(&mut loaded.libraries);
                 Some(loaded)
             }
             Err(error) => {
@@ -257,7 +266,7 @@ impl Builder {
         }
     }
 
-    fn mesh(&mut self, file: &Located<PathBuf>, shading: Shading, own: Option<MaterialId>) -> Option<Made> {
+    fn mesh(&mut self, file: &Located<PathBuf>, shading: Shading, own: Option<MaterialId>) -> Option<Formed> {
         let loaded = self.mesh_of_file(file, shading)?;
         let groups = loaded.mesh.group_count();
         if own.is_none() && loaded.materials.len() < groups {
@@ -269,7 +278,7 @@ impl Builder {
             Some(id) => vec![id; groups],
             None => loaded.materials.iter().map(|named| self.material_of_file(named)).collect(),
         };
-        Some(Made { shape: Shape::Mesh(loaded.mesh), origin: loaded.origin, materials })
+        Some(Formed { shape: Shape::Mesh(loaded.mesh.clone()), origin: loaded.origin, materials })
     }
 
     fn material_of_file(&mut self, named: &description::Named<description::Material>) -> MaterialId {

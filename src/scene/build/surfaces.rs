@@ -5,6 +5,7 @@ use crate::geometry::{Frustum, HeightField, Mesh, MeshError, Shape, Surface, Tor
 use crate::image;
 use crate::scene::build::Builder;
 use crate::scene::description::{Form, HeightNormals, Located};
+use crate::scene::library::{self, Made};
 use glam::{DVec3, Vec2};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,7 +55,11 @@ impl Builder {
     }
 
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
-        let picture = match image::read_gray(&file.value) {
+        let picture = self.library.clone().thing(&file.value, library::Form::Heights, || {
+            let thing = image::read_gray(&file.value)?;
+            Ok(Made { bytes: size_of_val(&thing.values[..]), thing, more: vec![] })
+        });
+        let picture = match picture {
             Ok(picture) => picture,
             Err(error) => {
                 self.problems.absorb(error, Some(&file.place));

@@ -8,6 +8,7 @@ use crate::image::read_raster;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
+use crate::scene::library::{self, Made};
 use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use std::collections::HashMap;
@@ -163,35 +164,50 @@ impl Builder {
         }
         let read = self.read(file, space, without).map(|bitmap| {
             // The same may have been met with its space written out, or left to the file.
-            let same = self.textures.bitmaps.iter().find(|known| ***known == bitmap).cloned();
+            let same = self.textures.bitmaps.iter().find(|known| **known == bitmap).cloned();
             same.unwrap_or_else(|| {
-                let new = Arc::new(bitmap);
-                self.textures.bitmaps.push(new.clone());
-                new
+                self.textures.bitmaps.push(bitmap.clone());
+                bitmap
             })
         });
         self.textures.known.insert(key, read.clone());
         read
     }
 
-    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
-        let read = match files::absence(&file.value) {
-            Some((what, remedy)) => Err((what, format!("{remedy}; {without}"))),
-            None => read_raster(&file.value).map_err(|error| match error {
-                Error::Input(problems) => (problems.to_string(), without.to_owned()),
-                other => (other.to_string(), without.to_owned()),
-            }),
-        };
-        let raster = match read {
-            Ok(raster) => raster,
-            Err((what, remedy)) => {
-                self.warnings.push(Problem::at(file.place.clone(), what).remedy(remedy));
-                return None;
+    fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Arc<Bitmap>> {
+        if let Some((what, remedy)) = files::absence(&file.value) {
+            self.warn(file, what, format!("{remedy}; {without}"));
+            return None;
+        }
+        let read = self.library.clone().thing(&file.value, library::Form::Bitmap(space), || {
+            let raster = read_raster(&file.value)?;
+            let own = if raster.encoded { Space::Srgb } else { Space::Linear };
+            let bitmap = Bitmap::new(&raster, space.unwrap_or(own));
+            Ok(Made { bytes: bitmap.bytes(), thing: (Arc::new(bitmap), raster.warnings), more: vec![] })
+        });
+        match read {
+            Ok(read) => {
+                let (bitmap, warnings) = &*read;
+                self.warnings.extend(warnings.iter().cloned());
+                Some(bitmap.clone())
             }
-        };
-        self.warnings.extend(raster.warnings.iter().cloned());
-        let own = if raster.encoded { Space::Srgb } else { Space::Linear };
-        Some(Bitmap::new(&raster, space.unwrap_or(own)))
+            Err(Error::Input(problems)) => {
+                self.warn(file, problems.to_string(), without.to_owned());
+                None
+            }
+            Err(other) => {
+                self.warn(file, other.to_string(), without.to_owned());
+                None
+            }
+        }
+    }
+
+    fn warn(&mut self, file: &Located<PathBuf>, what: String, remedy: String) {
+        let problem = Problem::at(file.place.clone(), what).remedy(remedy);
+        if !self.textures.of_mtl {
+            self.unread.push(problem.clone());
+        }
+        self.warnings.push(problem);
     }
 }
 

@@ -30,10 +30,31 @@ tagged! {
             shutter_open_s: f64 = 0.0, unit("s");
             /// When the shutter closes; at the moment it opens, nothing is blurred.
             shutter_close_s: f64 = 0.0, unit("s");
+            /// Frames of a sequence in a second: for frame F the shutter opens and closes F / `fps` later.
+            fps: f64 = 24.0, unit("1/s"), above(0.0);
             /// Views at two or more moments, in the order of time: between them the camera moves on straight lines and turns
             /// on the shorter way, before the first and after the last it stands still.
             keys: Vec<Located<CameraKey>> = vec![];
         }
+    }
+}
+
+impl Camera {
+    /// When a frame of a sequence begins, in seconds.
+    #[must_use]
+    pub fn frame_s(&self, frame: i32) -> f64 {
+        let Self::Perspective { fps, .. } = self;
+        f64::from(frame) / fps
+    }
+
+    /// The same camera with the shutter open as late as for a frame of a sequence.
+    #[must_use]
+    pub fn at_frame(mut self, frame: i32) -> Self {
+        let later = self.frame_s(frame);
+        let Self::Perspective { shutter_open_s, shutter_close_s, .. } = &mut self;
+        *shutter_open_s += later;
+        *shutter_close_s += later;
+        self
     }
 }
 

@@ -8,8 +8,10 @@
 //! A description that came out of [`crate::scene::load()`] is valid key by key, its references resolve and the files it
 //! names exist; whether those files can be read and whether a transform is invertible is found out later.
 
+mod batch;
 mod camera;
 mod film;
+mod frames;
 mod fuzzy;
 mod light;
 mod material;
@@ -25,8 +27,10 @@ use std::path::PathBuf;
 
 pub use crate::bsdf::{Below, FresnelModel as Fresnel, PhongScale};
 pub use crate::texture::{Channel, Space, Wrap};
+pub use batch::{Batch, Job, JobSettings, Overrides};
 pub use camera::{Camera, CameraKey};
 pub use film::{Film, Filter, Tone};
+pub use frames::Frames;
 pub use fuzzy::{
     FuzzyBy, FuzzyCorrection, FuzzyFilter, FuzzyRadius, FuzzyRejection, FuzzyWeighting, FuzzyWindow,
 };

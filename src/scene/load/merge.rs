@@ -38,21 +38,7 @@ impl Reader {
         }
         self.done.push(identity.clone());
         let order = self.done.len();
-        let read = match std::fs::read(path) {
-            Ok(bytes) => parse(path, bytes, order, report),
-            Err(error) => {
-                let spot = from.cloned().unwrap_or_else(|| whole(path));
-                match files::fault(path, &[]) {
-                    Some((what, remedy)) => report.error(&spot, what, remedy),
-                    None => {
-                        let what = format!("cannot read `{}`: {error}", path.display());
-                        report.error_without_remedy(&spot, what);
-                    }
-                }
-                None
-            }
-        };
-        let Some(own) = read else {
+        let Some(own) = read_alone(path, from, order, report) else {
             self.incomplete = true;
             return None;
         };
@@ -96,6 +82,30 @@ impl Reader {
         let steps: Vec<String> = steps.chain([from]).map(|spot| spot.place().to_string()).collect();
         let what = format!("`{}` includes itself, by {}", path.display(), words::join(&steps, "and"));
         report.error(from, what, "remove one of these includes");
+    }
+}
+
+/// The tree of a file as it stands; `None` with the problems reported where it cannot be read. `from` is where it is named, `order` its
+/// place among the files that are read.
+pub(crate) fn read_alone(
+    path: &Path,
+    from: Option<&Spot>,
+    order: usize,
+    report: &mut Report,
+) -> Option<Node> {
+    match std::fs::read(path) {
+        Ok(bytes) => parse(path, bytes, order, report),
+        Err(error) => {
+            let spot = from.cloned().unwrap_or_else(|| whole(path));
+            match files::fault(path, &[]) {
+                Some((what, remedy)) => report.error(&spot, what, remedy),
+                None => {
+                    let what = format!("cannot read `{}`: {error}", path.display());
+                    report.error_without_remedy(&spot, what);
+                }
+            }
+            None
+        }
     }
 }
 

@@ -8,6 +8,7 @@
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
 //! for being there, not opened; pictures on surfaces, which a scene can do without, not even that. [`load_mesh`] reads meshes.
 
+pub(crate) mod batch;
 pub(crate) mod check;
 pub(crate) mod decode;
 pub(crate) mod files;
@@ -27,6 +28,7 @@ use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::record::{Rules, Value};
+pub use batch::{is_scene, load_batch};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
 use report::Report;
@@ -46,13 +48,18 @@ pub struct Loaded {
 ///
 /// Fails with everything wrong with the files and the overrides, each with its place and a remedy.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
+    load_in(path, overrides, Path::new(""))
+}
+
+/// The same with files that overrides name as seen from `folder`.
+pub fn load_in(path: &Path, overrides: &[String], folder: &Path) -> Result<Loaded> {
     let mut report = Report::default();
     let mut reader = Reader::default();
     let Some(mut tree) = reader.read(path, None, &mut report) else {
         return report.into_result(None);
     };
     for (index, text) in overrides.iter().enumerate() {
-        overrides::apply(&mut tree, text, index, &mut report);
+        overrides::apply(&mut tree, (text, folder), index, &mut report);
     }
     let description = Description::decode(&tree, "scene", &Rules::default(), &mut report);
     if !reader.incomplete {
@@ -71,7 +78,7 @@ pub fn fuzzy_filter(settings: &[String]) -> Result<FuzzyFilter> {
     let mut report = Report::default();
     let mut tree = Node::nowhere();
     for (index, text) in settings.iter().enumerate() {
-        overrides::apply(&mut tree, text, index, &mut report);
+        overrides::apply(&mut tree, (text, Path::new("")), index, &mut report);
     }
     let filter = FuzzyFilter::decode(&tree, "fuzzy", &Rules::default(), &mut report);
     report.into_result(filter)

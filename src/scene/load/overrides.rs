@@ -8,11 +8,12 @@ use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
 use crate::scene::load::words;
+use std::path::Path;
 use std::sync::Arc;
 
-/// Applies one override to the tree; what is wrong with it is reported.
-pub(crate) fn apply(tree: &mut Node, text: &str, index: usize, report: &mut Report) {
-    let source = Arc::new(Source::command_line(text, index));
+/// Applies one override to the tree, files in it as seen from a folder; what is wrong with it is reported.
+pub(crate) fn apply(tree: &mut Node, (text, folder): (&str, &Path), index: usize, report: &mut Report) {
+    let source = Arc::new(Source::command_line(text, folder, index));
     let spot = Spot { source: source.clone(), offset: 0 };
     let Some((path, value)) = split(text) else {
         report.error(&spot, "this is no override", "write key=value, the key as a dotted path");

@@ -31,11 +31,11 @@ impl Source {
         Self { name: path.into(), dir: PathBuf::new(), text: String::new(), lines: vec![], order: 0 }
     }
 
-    /// An override; paths in it are relative to the current directory.
-    pub(crate) fn command_line(text: &str, index: usize) -> Self {
+    /// An override; paths in it are relative to `dir`.
+    pub(crate) fn command_line(text: &str, dir: &Path, index: usize) -> Self {
         let order = usize::MAX / 2 + index;
         let name = Path::new("command line").into();
-        Self { name, dir: PathBuf::new(), text: text.into(), lines: vec![], order }
+        Self { name, dir: dir.into(), text: text.into(), lines: vec![], order }
     }
 
     /// Everything that was written.
@@ -81,6 +81,11 @@ impl Spot {
     /// File, line and column.
     pub(crate) fn place(&self) -> Place {
         self.source.place(self.offset)
+    }
+
+    /// Whether this is written there.
+    pub(crate) fn is_at(&self, text: &str) -> bool {
+        self.source.text.get(self.offset..).is_some_and(|rest| rest.starts_with(text))
     }
 
     /// A key to sort by: files in the order they were opened, then from top to bottom.

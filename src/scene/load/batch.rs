@@ -1,0 +1,154 @@
+//! Batch files.
+
+use crate::error::Result;
+use crate::scene::description::{Batch, Located};
+use crate::scene::load::decode::Fields;
+use crate::scene::load::merge::read_alone;
+use crate::scene::load::node::{Content, Entry, Node};
+use crate::scene::load::report::Report;
+use crate::scene::record::{Rules, Value as _};
+use std::path::Path;
+use toml::Value;
+
+/// What the batch file at `path` says. Fails with everything that is wrong with it.
+pub fn load_batch(path: &Path) -> Result<Batch> {
+    let mut report = Report::default();
+    let tree = read_alone(path, None, 0, &mut report);
+    let batch = tree.and_then(|tree| Batch::decode(&tree, "batch", &Rules::default(), &mut report));
+    report.into_result(batch)
+}
+
+/// Whether a file is a scene file rather than a batch file, by its tables; a file that is no TOML is not.
+#[must_use]
+pub fn is_scene(path: &Path) -> bool {
+    let Some(table) = std::fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok())
+    else {
+        return false;
+    };
+    let has = |names: &[&str]| names.iter().any(|name| table.contains_key(*name));
+    has(&["include", "camera", "film", "render", "materials", "shapes", "lights"])
+        && !has(&["jobs", "defaults"])
+}
+
+/// There are jobs, and each has a scene.
+pub(crate) fn check(batch: &Batch, fields: &mut Fields<'_>) {
+    if !fields.is_whole("jobs", &batch.jobs) {
+        return;
+    }
+    if batch.jobs.is_empty() {
+        fields.problem("jobs", "there is no job", "add `[[jobs]]`");
+    }
+    for (i, job) in batch.jobs.iter().enumerate() {
+        if job.own.scene.is_none() && batch.defaults.scene.is_none() {
+            fields.problem_in(("jobs", i, "scene"), "a job without a scene", "give it a key `scene`");
+        }
+    }
+}
+
+/// Adds the overrides that stand below a path. Tables that are written by dotted paths or under headings lead on, what is written in
+/// braces is a value; `None` where something is no value of a scene file, with the problem reported.
+pub(crate) fn flatten(
+    path: String,
+    node: &Node,
+    into: &mut Vec<Located<String>>,
+    report: &mut Report,
+) -> Option<()> {
+    match &node.content {
+        Content::Table(entries) if !node.spot.is_at("{") => {
+            for Entry { key, node, .. } in entries {
+                flatten(format!("{path}.{}", quoted(key)), node, into, report)?;
+            }
+        }
+        _ => match value(node) {
+            Some(value) => {
+                let text = format!("{path}={value}");
+                into.push(Located { value: text, place: node.spot.place() });
+            }
+            None => {
+                report.error(&node.spot, format!("`{path}` is {}", node.kind()), "no key has such a value");
+                return None;
+            }
+        },
+    }
+    Some(())
+}
+
+/// A key as a part of a path.
+fn quoted(key: &str) -> String {
+    if !key.contains(['.', '=', '"', '\'']) {
+        return key.to_owned();
+    }
+    let quote = if key.contains('"') { '\'' } else { '"' };
+    format!("{quote}{key}{quote}")
+}
+
+/// The value that a node spells, to be written again.
+fn value(node: &Node) -> Option<Value> {
+    Some(match &node.content {
+        Content::Boolean(value) => Value::Boolean(*value),
+        Content::Integer(number) => Value::Integer(i64::try_from(*number).ok()?),
+        Content::Float(number) => Value::Float(*number),
+        Content::String(text) => Value::String(text.clone()),
+        Content::Date => return None,
+        Content::Array(items) => Value::Array(items.iter().map(value).collect::<Option<_>>()?),
+        Content::Table(entries) => {
+            let entries = entries.iter().map(|entry| Some((entry.key.clone(), value(&entry.node)?)));
+            Value::Table(entries.collect::<Option<_>>()?)
+        }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> std::result::Result<Batch, String> {
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("a.toml"), "").expect("written");
+        let path = folder.path().join("batch.toml");
+        std::fs::write(&path, text).expect("written");
+        let folder = format!("{}/", folder.path().display());
+        load_batch(&path).map_err(|error| error.to_string().replace(&folder, ""))
+    }
+
+    fn overrides(text: &str) -> Vec<String> {
+        let batch = read(&format!("[[jobs]]\nscene = 'a.toml'\n{text}")).expect("sound");
+        batch.jobs[0].own.overrides.0.iter().map(|text| text.value.clone()).collect()
+    }
+
+    #[test]
+    fn overrides_are_dotted_paths_however_they_are_written() {
+        let spp = ["render.spp=4", "film.width=8"];
+        assert_eq!(overrides("overrides = { render.spp = 4, film.width = 8 }"), spp, "dotted");
+        assert_eq!(overrides("overrides = { 'render.spp' = 4, 'film.width' = 8 }"), spp, "as a text");
+        assert_eq!(overrides("[jobs.overrides]\nrender.spp = 4\nfilm.width = 8"), spp, "under a heading");
+        assert_eq!(overrides("[jobs.overrides.render]\nspp = 4"), spp[..1], "all of it in the heading");
+        let table = "overrides = { materials.a.reflectance = { file = 'a.png', repeat = [2.0, 1] } }";
+        let told = "materials.a.reflectance={ file = \"a.png\", repeat = [2.0, 1] }";
+        assert_eq!(overrides(table), [told], "a table in braces is a value");
+        let dots = "overrides.materials.'a.b'.ior = 1.5";
+        assert_eq!(overrides(dots), ["materials.\"a.b\".ior=1.5"], "a name with a dot");
+    }
+
+    #[test]
+    fn everything_wrong_is_told_at_once_with_its_place() {
+        let text = "[defaults]\nframes = '3..1'\n[[jobs]]\nscenes = 'a.toml'\n[[jobs]]\nscene = 'b.toml'\ncrop = [0, 0, 1]\noverrides = 3\n";
+        let told = read(text).expect_err("wrong");
+        let told: Vec<&str> = told.lines().collect();
+        let wanted = [
+            "batch.toml:2:10: `frames` is \"3..1\"; ",
+            "batch.toml:4:1: unknown key `scenes`; did you mean `scene`?",
+            "batch.toml:6:9: no such file `b.toml`; did you mean `a.toml`?",
+            "batch.toml:7:8: `crop` is an array of three",
+            "batch.toml:8:13: `overrides` is an integer; it must be a table",
+        ];
+        assert_eq!(told.len(), wanted.len(), "{told:?}");
+        for (told, wanted) in told.iter().zip(wanted) {
+            assert!(told.starts_with(wanted), "{told}, not {wanted}");
+        }
+        let none = read("[[jobs]]\n[[jobs]]\nscene = 'a.toml'").expect_err("wrong");
+        assert_eq!(none, "batch.toml:1:1: a job without a scene; give it a key `scene`", "no scene");
+        assert!(read("").expect_err("wrong").contains("there is no job"), "no job");
+        assert!(read("[[jobs").is_err(), "no TOML");
+    }
+}
