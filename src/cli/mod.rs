@@ -22,6 +22,7 @@ mod render;
 mod report;
 mod statistics;
 mod threads;
+mod tradeoff;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -30,7 +31,7 @@ use clap::Parser as _;
 
 pub use args::{
     Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
-    MergeArgs, PlanArgs, RenderArgs,
+    MergeArgs, PlanArgs, RenderArgs, TradeoffArgs,
 };
 
 use crate::error::{Error, Result};
@@ -53,6 +54,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema => documents::schema(),
         Command::Completions(args) => documents::completions(args.shell),
         Command::Man(args) => documents::man(args.dir.as_deref()),

@@ -175,7 +175,7 @@ fn write_parts(
 }
 
 /// How the scene wants to be shown.
-fn development(scene: &Scene) -> Development {
+pub(super) fn development(scene: &Scene) -> Development {
     let curve = match scene.film.tone {
         Tone::Clip => Curve::Clip,
         Tone::Filmic => Curve::Filmic,

@@ -1,7 +1,7 @@
 //! From what a user chose to the types that do it: the only place that knows both.
 
 use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Options, Wide};
-use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError};
+use crate::accel::embree::{BuildOptions, Config, EmbreeAccel, EmbreeError, Quality, SceneOptions};
 use crate::accel::{Accel, Brute};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
@@ -163,8 +163,15 @@ fn pool(settings: &Settings) -> Result<(usize, rayon::ThreadPool)> {
 
 fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-    let options =
-        BuildOptions { device: Config { threads, ..Config::from_env() }, ..BuildOptions::default() };
+    let quality = match scene.render.build_quality {
+        description::BuildQuality::Low => Quality::Low,
+        description::BuildQuality::Medium => Quality::Medium,
+        description::BuildQuality::High => Quality::High,
+    };
+    let options = BuildOptions {
+        device: Config { threads, ..Config::from_env() },
+        scene: SceneOptions { quality, robust: scene.render.robust, ..SceneOptions::default() },
+    };
     let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
         EmbreeError::Cancelled => Error::Interrupted,
