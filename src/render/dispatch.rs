@@ -70,29 +70,64 @@ pub fn render_kept(
         let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
         plan.begin = Mutex::new(Some(state));
     }
+    let mut all = on_backend(scene, &[plan], settings, progress)?;
+    all.pop().ok_or_else(|| Error::Backend { backend: "render", what: "no picture".to_owned() })
+}
+
+/// Renders parts of a scene's picture on one hierarchy, one after the other: each is that part of the whole, bit for bit.
+///
+/// Fails as [`render`] does.
+pub fn render_crops(
+    scene: &Scene,
+    settings: &Settings,
+    crops: &[Window],
+    progress: &dyn Progress,
+) -> Result<Vec<Rendered>> {
+    let of = |&crop: &Window| plan(scene, &Settings { crop: Some(crop), ..settings.clone() }, progress);
+    let plans: Result<Vec<Plan<'_>>> = crops.iter().map(of).collect();
+    on_backend(scene, &plans?, settings, progress)
+}
+
+/// Builds the hierarchy, and renders on it what is planned.
+fn on_backend(
+    scene: &Scene,
+    plans: &[Plan<'_>],
+    settings: &Settings,
+    progress: &dyn Progress,
+) -> Result<Vec<Rendered>> {
     let (threads, pool) = pool(settings)?;
-    let (mut rendered, build) = match scene.render.backend {
+    let (mut all, build) = match scene.render.backend {
         description::Backend::Embree => {
             let (accel, build) = Phase::of(|| embree(scene, threads, progress));
             let accel = accel?;
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            rendered.statistics.backend = format!("embree {}", accel.device().version());
-            rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
-            (rendered, build)
+            let mut all = pool.install(|| each(plans, &accel))?;
+            for rendered in &mut all {
+                rendered.statistics.backend = format!("embree {}", accel.device().version());
+                rendered.statistics.isa = accel.device().isa().map_or("unknown", |isa| isa.name()).to_owned();
+            }
+            (all, build)
         }
-        description::Backend::Bvh2 => hierarchy::<Binary>(&plan, &pool)?,
-        description::Backend::CwBvh => hierarchy::<Wide>(&plan, &pool)?,
+        description::Backend::Bvh2 => hierarchy::<Binary>(scene, plans, &pool, progress)?,
+        description::Backend::CwBvh => hierarchy::<Wide>(scene, plans, &pool, progress)?,
         description::Backend::Brute => {
             let (accel, build) = Phase::of(|| Brute::new(scene.world.clone()));
-            let mut rendered = pool.install(|| with_accel(&plan, &accel))?;
-            "brute".clone_into(&mut rendered.statistics.backend);
-            "scalar".clone_into(&mut rendered.statistics.isa);
-            (rendered, build)
+            let mut all = pool.install(|| each(plans, &accel))?;
+            for rendered in &mut all {
+                "brute".clone_into(&mut rendered.statistics.backend);
+                "scalar".clone_into(&mut rendered.statistics.isa);
+            }
+            (all, build)
         }
     };
-    rendered.statistics.build = build;
-    rendered.statistics.threads = threads;
-    Ok(rendered)
+    for rendered in &mut all {
+        rendered.statistics.build = build;
+        rendered.statistics.threads = threads;
+    }
+    Ok(all)
+}
+
+fn each<A: Accel>(plans: &[Plan<'_>], accel: &A) -> Result<Vec<Rendered>> {
+    plans.iter().map(|plan| with_accel(plan, accel)).collect()
 }
 
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
@@ -180,17 +215,22 @@ fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<Embr
 }
 
 /// Builds a hierarchy on the threads that then trace.
-fn hierarchy<H: Hierarchy>(plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<(Rendered, Phase)> {
-    let go_on =
-        |_| if plan.progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let (accel, build) = Phase::of(|| {
-        pool.install(|| BvhAccel::<H>::build_with(&plan.scene.world, &Options::default(), &go_on))
-    });
+fn hierarchy<H: Hierarchy>(
+    scene: &Scene,
+    plans: &[Plan<'_>],
+    pool: &rayon::ThreadPool,
+    progress: &dyn Progress,
+) -> Result<(Vec<Rendered>, Phase)> {
+    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let (accel, build) =
+        Phase::of(|| pool.install(|| BvhAccel::<H>::build_with(&scene.world, &Options::default(), &go_on)));
     let accel = accel.ok_or(Error::Interrupted)?;
-    let mut rendered = pool.install(|| with_accel(plan, &accel))?;
-    rendered.statistics.backend = format!("{} (obvhs {})", H::NAME, bvh::VERSION);
-    accel.isa().clone_into(&mut rendered.statistics.isa);
-    Ok((rendered, build))
+    let mut all = pool.install(|| each(plans, &accel))?;
+    for rendered in &mut all {
+        rendered.statistics.backend = format!("{} (obvhs {})", H::NAME, bvh::VERSION);
+        accel.isa().clone_into(&mut rendered.statistics.isa);
+    }
+    Ok((all, build))
 }
 
 fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {

@@ -165,7 +165,7 @@ mod tests {
     /// The passes of a picture where a sample of all pixels takes `pace` seconds and `limit` seconds are given, on a clock of its own:
     /// the start moves back as time goes by.
     fn passes(limit: f64, pace: impl Fn(u32) -> f64, most: u32) -> (Vec<Pass>, f64, Ended) {
-        let limits = Limits { time: Some(Duration::from_secs_f64(limit)), error: None };
+        let limits = Limits { time: Some(Duration::from_secs_f64(limit)), ..Limits::default() };
         let start = Instant::now();
         let mut schedule = Schedule::new(&limits, start, (&(0..most), 3));
         let (mut all, mut clock) = (Vec::new(), 0.0);

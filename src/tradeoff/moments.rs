@@ -189,7 +189,7 @@ mod tests {
     /// A picture of gray 1, too bright by `bias` and with noise of deviation `sigma`.
     fn picture(bias: f32, sigma: f32, seed: u32) -> Image {
         let pixels = (0..SIDE * SIDE).map(|i| {
-            let noise = |channel| sigma * normal(hash::combine(hash::combine(seed, i), channel));
+            let noise = |channel| sigma * normal(hash::combine(hash::combine(hash::mix(seed), i), channel));
             Rgb::new(1.0 + bias + noise(0), 1.0 + bias + noise(1), 1.0 + bias + noise(2))
         });
         Image::from_pixels(SIDE, SIDE, pixels.collect()).expect("a square")

@@ -1,6 +1,7 @@
 //! All that is known of a point.
 
-use super::kept::Run;
+use super::kept::{Kept, Run};
+use super::knobs::Knob;
 use super::moments::Moments;
 use super::runs::Point;
 use super::student::Interval;
@@ -33,6 +34,21 @@ pub struct Outcome {
 #[must_use]
 pub fn outcomes(points: &[Point], runs: &[Run], floor: [f64; 2]) -> Vec<Outcome> {
     points.iter().filter_map(|point| outcome(point, runs, floor)).collect()
+}
+
+/// The outcomes of a file of runs, in the order of their first runs.
+#[must_use]
+pub fn outcomes_kept(kept: &Kept) -> Vec<Outcome> {
+    let mut points: Vec<Point> = Vec::new();
+    for run in kept.runs.iter().filter(|run| run.number == 0) {
+        let knob = |key: &str| {
+            Knob::ALL.iter().find(|knob| knob.key == key).map_or(key, |knob| knob.name).to_owned()
+        };
+        let set = run.set.iter().map(|(key, value)| [knob(key), key.clone(), value.clone()]).collect();
+        points.push(Point { key: run.point.clone(), set, spp: run.spp });
+    }
+    let noise = &kept.head["reference"]["noise"];
+    outcomes(&points, &kept.runs, [0, 1].map(|i| noise[i].as_f64().unwrap_or(0.0)))
 }
 
 fn outcome(point: &Point, runs: &[Run], floor: [f64; 2]) -> Option<Outcome> {

@@ -132,7 +132,8 @@ impl Subject {
 
 /// Whether a scene built of one description is that of another one but for `render` and `film`: nothing else differs, and none of the
 /// few settings that building looks at. Whatever is not known here not to matter counts.
-fn is_built_alike(built: &Description, wanted: &Description) -> bool {
+#[must_use]
+pub fn is_built_alike(built: &Description, wanted: &Description) -> bool {
     let mut like = built.clone();
     let (to, from) = (&mut like.render, &wanted.render);
     to.spp = from.spp;
