@@ -1,12 +1,12 @@
 //! The command `tradeoff`: a small sweep from end to end, gone on with after it was stopped; what is refused; and that noise falls as it must.
 
+#[path = "support/corner.rs"]
+mod corner;
 #[path = "support/desk.rs"]
 mod desk;
-#[path = "support/room.rs"]
-mod room;
 
+use corner::corner;
 use desk::Desk;
-use room::room;
 use serde_json::Value;
 use specula::render::Silent;
 use specula::tradeoff::design::Design;
@@ -14,10 +14,10 @@ use specula::tradeoff::runs::{Bench, Sweep, Tally};
 use specula::tradeoff::{Reference, Subject, outcomes};
 use std::fs;
 
-/// A room with a desk of its own.
+/// A desk with that scene.
 fn place(settings: &str) -> Desk {
     let desk = Desk::new();
-    fs::write(desk.path("a.toml"), room(settings)).expect("written");
+    fs::write(desk.path("a.toml"), corner(settings)).expect("written");
     desk
 }
 
@@ -72,7 +72,7 @@ fn a_sweep_tells_bias_from_noise() {
     let shallow = point(&document, &serde_json::json!({ "render.spp": "8", "render.max_depth": "2" }));
     let deep = point(&document, &serde_json::json!({ "render.spp": "8", "render.max_depth": "6" }));
     let bias = [shallow, deep].map(|it| value(it, "bias2"));
-    assert!(bias[0] > 0.02 && bias[1].abs() < bias[0] * 0.2, "direct light alone is too little: {bias:?}");
+    assert!(bias[0] > 0.02 && bias[1].abs() < bias[0] * 0.3, "direct light alone is too little: {bias:?}");
     assert!(value(shallow, "brightness") < -0.1, "and darker: {shallow:#}");
     for it in points(&document) {
         let sum = value(it, "bias2") + value(it, "variance");
@@ -124,7 +124,7 @@ fn the_table_tells_what_is_not_turned_and_what_to_take() {
         "not turned: filter (each filter is another picture, and none is wrong)",
         "glossy = two-pass",
         "as the scene says",
-        "for relMSE 0.0100: --spp ",
+        "for relMSE 0.0100: ",
         "*",
     ] {
         assert!(text.contains(part), "{part} in {text}");

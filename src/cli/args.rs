@@ -15,6 +15,7 @@ use crate::scene::description::{
     LightChoice, Query, Sampler, View,
 };
 use crate::tradeoff::knobs::Knob;
+use crate::tradeoff::presets::Preset;
 
 /// An offline ray tracer for shiny things.
 #[derive(Clone, Debug, Parser)]
@@ -83,6 +84,24 @@ pub struct RenderArgs {
     /// of the scene file) at most.
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     pub target_error: Option<String>,
+
+    /// Settings that reach an error soonest: a relMSE of 0.03, 0.01, 0.001 or 0.0001
+    ///
+    /// By what was measured over the scenes that ship, and a first look at some pixels of this one, which finds how many samples it takes. What is set
+    /// by other flags stays. The log says which flags do the same.
+    #[arg(long, value_name = "NAME", value_parser = Words::of(&Preset::ALL, Preset::word))]
+    pub preset: Option<String>,
+
+    /// Make the best of this time, such as 30s, 2m or 1.5h: choose settings, then take samples until it is over
+    ///
+    /// By the clock, reading the scene included, writing the picture not. Settings are those of --tradeoff, or of the presets. What is set by other
+    /// flags stays. The log tells the error to be expected.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub budget: Option<String>,
+
+    /// With --budget: choose by the runs in FILE, which `specula tradeoff --keep FILE` wrote of the same scene on a machine like this
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub tradeoff: Option<PathBuf>,
 
     /// What to compute
     #[arg(long, value_name = "NAME", value_parser = Words::of(Integrator::ALL, Integrator::word))]

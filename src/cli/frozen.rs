@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
 use crate::scene::{self, Built, Description, Loaded, Needs, Scene};
+use crate::tradeoff;
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -41,6 +42,18 @@ impl Frozen {
     /// The same, with all that was odd logged.
     pub(super) fn told(path: &Path, overrides: &[String]) -> Result<Self> {
         Self::read(path, overrides).inspect(|frozen| log::warn(&frozen.warnings))
+    }
+
+    /// The same files with other values replaced: the scene is told settings where that is enough, and built anew where it is not.
+    pub(super) fn turned(self, overrides: &[String]) -> Result<Self> {
+        let description = scene::load(&self.path, overrides)?.description;
+        if !tradeoff::is_built_alike(&self.description, &description) {
+            return Self::read(&self.path, overrides);
+        }
+        let hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        let Self { mut scene, path, warnings, files, origins, .. } = self;
+        (scene.render, scene.film) = (description.render.clone(), description.film.clone());
+        Ok(Self { scene, path, warnings, hash, description, files, origins })
     }
 
     /// What it requires.

@@ -6,6 +6,7 @@
 
 mod args;
 mod bench;
+mod cost;
 mod diff;
 mod documents;
 mod frozen;

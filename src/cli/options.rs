@@ -1,11 +1,13 @@
 //! The command line as meant: checked, with defaults resolved.
 
 mod bench;
+mod cost;
 mod fuzzy;
 mod merge;
 mod tradeoff;
 
 pub(super) use bench::BenchOptions;
+pub(super) use cost::Cost;
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
 pub(super) use tradeoff::{Against, TradeoffOptions};
@@ -44,6 +46,8 @@ pub(super) struct RenderOptions {
     pub(super) first_pass: bool,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
+    /// Whether somebody else chooses settings.
+    pub(super) cost: Option<Cost>,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
 }
@@ -99,10 +103,13 @@ impl RenderOptions {
                     .target_error
                     .as_deref()
                     .and_then(|text| target_error("target-error", text, &mut problems)),
+                is_estimated: false,
             },
+            cost: cost::cost(args, &mut problems),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
+        cost::check(&options, &mut problems);
         problems.into_result(options)
     }
 }

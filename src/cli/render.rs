@@ -13,7 +13,7 @@ use super::kept::{self, Kept};
 use super::options::{Output, RenderOptions};
 use super::progress::{Meter, metric};
 use super::statistics::{self, Times};
-use super::{log, options, output, threads};
+use super::{cost, log, options, output, threads};
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
@@ -27,17 +27,18 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let start = Instant::now();
     log::start(&args.log);
     let interrupt = Interrupt::listen();
-    let options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
+    let mut options = RenderOptions::new(args).map_err(|error| with_scene_problems(args, error))?;
     threads::limit(options.threads);
 
     let (frozen, load) = Phase::of(|| load(&options));
     let (frozen, about) = frozen?;
-    let scene = &frozen.scene;
     interrupt.check()?;
+    let meter = Meter::new(args.log.quiet, "samples", interrupt);
+    let (frozen, prediction) = cost::settle(&mut options, frozen, start, &meter)?;
+    let scene = &frozen.scene;
 
     let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
     let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
-    let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let settings = settings(&options, start);
     let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
     let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
@@ -51,7 +52,8 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     });
     written?;
     if let Some(path) = &options.stats {
-        let report = statistics::report(&options, &frozen, &rendered, Times { load, write });
+        let mut report = statistics::report(&options, &frozen, &rendered, Times { load, write });
+        report["cost"] = prediction.map_or(Value::Null, |it| it.beside(&rendered, start.elapsed()));
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {

@@ -279,6 +279,7 @@ mod tests {
             checkpoint: None,
             threads: None,
             limits: render::Limits::default(),
+            cost: None,
             precision: Precision::Float,
             stats: None,
         };

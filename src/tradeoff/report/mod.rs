@@ -104,7 +104,7 @@ fn number(x: f64) -> String {
     let magnitude = x.abs();
     if magnitude == 0.0 {
         "0".to_owned()
-    } else if !(1e-3..1e5).contains(&magnitude) {
+    } else if !(1e-2..1e5).contains(&magnitude) {
         format!("{x:.2e}")
     } else if magnitude >= 100.0 {
         format!("{x:.0}")
