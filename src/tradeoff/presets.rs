@@ -99,6 +99,9 @@ pub struct Advice {
     pub scenes: usize,
 }
 
+/// Whether settings, keys of the scene file and values, come into question.
+pub type Fits<'a> = dyn Fn(&[(String, String)]) -> bool + 'a;
+
 /// The part of the wanted error that bias may be.
 const BIAS: f64 = 0.25;
 
@@ -125,7 +128,7 @@ impl Record {
         json["scenes"].as_array()?.iter().map(scene).collect::<Option<Vec<_>>>().map(Self)
     }
 
-    fn advice(&self, kind: Kind, target: f64, fits: &dyn Fn(&[(String, String)]) -> bool) -> Option<Advice> {
+    fn advice(&self, kind: Kind, target: f64, fits: &Fits<'_>) -> Option<Advice> {
         let scenes: Vec<&Vec<Curve>> =
             self.0.iter().filter(|(of, _)| *of == kind).map(|(_, all)| all).collect();
         let sets = scenes.first()?.iter().map(|curve| &curve.set).filter(|set| fits(set));
@@ -166,7 +169,7 @@ fn advice_of(set: &[(String, String)], target: f64, scenes: &[&Vec<Curve>]) -> O
 
 /// The settings to take for an error, of those that fit; none of a kind that was not measured.
 #[must_use]
-pub fn advice(kind: Kind, target: f64, fits: &dyn Fn(&[(String, String)]) -> bool) -> Option<Advice> {
+pub fn advice(kind: Kind, target: f64, fits: &Fits<'_>) -> Option<Advice> {
     record().advice(kind, target, fits)
 }
 
@@ -218,9 +221,7 @@ mod tests {
             (Kind::Tree, curves.into_iter().chain(more).collect())
         };
         let record = Record(vec![scene(0.5, Some(curve(&[rare], 0.0, 0.01, 1.0))), scene(0.8, None)]);
-        let set = |target, fits: &dyn Fn(&[(String, String)]) -> bool| {
-            record.advice(Kind::Tree, target, fits).expect("advice")
-        };
+        let set = |target, fits: &Fits<'_>| record.advice(Kind::Tree, target, fits).expect("advice");
         assert_eq!(set(1e-2, &|_| true).set[0].0, "render.b", "bias is small beside the target");
         let fine = set(1e-3, &|_| true);
         assert_eq!(fine.set[0].0, "render.a", "bias is too large, and not all scenes know the other");
