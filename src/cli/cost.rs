@@ -57,7 +57,7 @@ pub(super) fn settle(
         return Err(problem.remedy("leave out --preset and --budget").into());
     };
     let (frozen, prediction) = match &cost {
-        Cost::Preset(preset) => by_preset(options, frozen, (*preset, kind), progress)?,
+        Cost::Preset(preset) => by_preset(options, frozen, (*preset, start, kind), progress)?,
         Cost::Budget { time, runs: None } => by_look(options, frozen, (*time, start, kind), progress)?,
         Cost::Budget { time, runs: Some(path) } => by_runs(options, frozen, (*time, start), path)?,
     };
@@ -83,7 +83,7 @@ impl Prediction {
         format!("{set}--spp {:.0}", self.spp.max(1.0))
     }
 
-    /// Beside what came of it, all in seconds since the start and in relMSE.
+    /// Beside what came of it, `elapsed` since the start without writing.
     pub(super) fn beside(&self, rendered: &Rendered, elapsed: Duration) -> Value {
         let statistics = &rendered.statistics;
         let set: Map<String, Value> =
@@ -137,7 +137,7 @@ fn no_look() -> Error {
 fn by_preset(
     options: &mut RenderOptions,
     frozen: Frozen,
-    (preset, kind): (Preset, Kind),
+    (preset, start, kind): (Preset, Instant, Kind),
     progress: &dyn Progress,
 ) -> Result<(Frozen, Prediction)> {
     let advice = presets::advice(kind, preset.target(), &|_| true).unwrap_or_else(plain);
@@ -149,7 +149,7 @@ fn by_preset(
     let spp = f64::from(frozen.scene.render.spp());
     let cpu_s = curve.time(spp);
     set.retain(|(key, _)| !is_of_samples(key));
-    let wall_s = cpu_s / threads(options) + (look.build.wall + look.spent.wall).as_secs_f64();
+    let wall_s = (start.elapsed() + look.build.wall).as_secs_f64() + cpu_s / threads(options);
     let by = format!("preset {}, after a look of {:.1} s", preset.word(), look.spent.wall.as_secs_f64());
     let asked = json!({ "preset": preset.word(), "relmse": preset.target() });
     Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse: curve.error(spp) }))

@@ -43,7 +43,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
     let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
     meter.finish();
-    let rendered = rendered?;
+    let (rendered, elapsed) = (rendered?, start.elapsed());
     tell(&options, scene, &rendered);
 
     let (written, write) = Phase::of(|| {
@@ -53,7 +53,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     written?;
     if let Some(path) = &options.stats {
         let mut report = statistics::report(&options, &frozen, &rendered, Times { load, write });
-        report["cost"] = prediction.map_or(Value::Null, |it| it.beside(&rendered, start.elapsed()));
+        report["cost"] = prediction.map_or(Value::Null, |it| it.beside(&rendered, elapsed));
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {
@@ -116,11 +116,11 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
             Ended::Error => "the error is below its target",
         };
         tracing::info!("ended with {} per pixel: {why}", statistics::per_pixel(rendered));
-        if let Some(Estimate { error, bound }) = statistics.estimate {
-            tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
-        } else if options.limits.error.is_some() {
-            tracing::warn!("too few samples to estimate the error");
-        }
+    }
+    if let Some(Estimate { error, bound }) = statistics.estimate {
+        tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
+    } else if options.limits.error.is_some() {
+        tracing::warn!("too few samples to estimate the error");
     }
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {

@@ -59,8 +59,8 @@ pub(super) fn over_time(axes: [&str; 2], series: &[Series]) -> String {
         chart
             .configure_mesh()
             .label_style(FONT)
-            .x_label_formatter(&|x| super::number(*x))
-            .y_label_formatter(&|y| format!("{y:.0e}"))
+            .x_label_formatter(&|x| tick(*x))
+            .y_label_formatter(&|y| tick(*y))
             .light_line_style(RGBColor(240, 240, 240))
             .x_desc(axes[0])
             .y_desc(axes[1])
@@ -77,6 +77,16 @@ pub(super) fn over_time(axes: [&str; 2], series: &[Series]) -> String {
             .draw()
             .map_err(|e| e.to_string())
     })
+}
+
+/// The label of a line of the grid: only of one, two and five times powers of ten, lest they overlap.
+fn tick(x: f64) -> String {
+    let power = (x.log10() + 1e-9).floor();
+    let mantissa = (x / 10_f64.powf(power)).round();
+    if ![1.0, 2.0, 5.0].iter().any(|shown| (mantissa - shown).abs() < 1e-9) {
+        return String::new();
+    }
+    if (-2.0..4.0).contains(&power) { format!("{}", (x * 1e4).round() / 1e4) } else { format!("{x:.0e}") }
 }
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
@@ -106,6 +116,12 @@ fn draw(chart: &mut Chart<'_, '_>, it: &Series, least: f64) -> Drawn {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ticks_are_few_and_short() {
+        let ticks = [0.01, 0.2, 0.3, 5.0, 2000.0, 0.9, 1e-4, 0.05 * 10.0].map(tick);
+        assert_eq!(ticks, ["0.01", "0.2", "", "5", "2000", "", "1e-4", "0.5"], "labels");
+    }
 
     #[test]
     fn series_are_named_and_what_is_not_positive_is_left_out() {
