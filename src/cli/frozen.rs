@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
 use crate::scene::{self, Built, Description, Library, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
+use crate::tradeoff;
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -85,6 +86,20 @@ impl Frozen {
     pub(super) fn without_effect(&self) -> Option<String> {
         let summary = pruned::summary(&self.pruned)?;
         Some(format!("without effect: {summary}; see `specula plan`"))
+    }
+
+    /// The same files with other values replaced: the scene is told settings where that is enough, and built anew where it is not.
+    pub(super) fn turned(self, overrides: &[String]) -> Result<Self> {
+        let loaded = scene::load(&self.path, overrides)?;
+        let number = self.frame.map(|(number, _)| number);
+        let (description, frame) = at_frame(loaded.description.clone(), number);
+        if !tradeoff::is_built_alike(&self.description, &description) {
+            return Self::of(loaded, &self.path, (number, self.wanted), &Arc::default());
+        }
+        let hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        let mut scene = self.scene;
+        (scene.render, scene.film) = (description.render.clone(), description.film.clone());
+        Ok(Self { scene, hash, description, frame, ..self })
     }
 
     /// What it requires.

@@ -2,17 +2,22 @@
 
 mod batch;
 mod bench;
+mod cost;
 mod farm;
 mod fuzzy;
 mod merge;
+mod tradeoff;
 
 pub(super) use batch::BatchOptions;
 pub(super) use bench::BenchOptions;
+pub(super) use cost::Cost;
 pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
+pub(super) use tradeoff::{Against, TradeoffOptions};
 
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -56,6 +61,8 @@ pub(super) struct RenderOptions {
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
     pub(super) specialise: Specialise,
+    /// Whether somebody else chooses settings.
+    pub(super) cost: Option<Cost>,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
 }
@@ -97,7 +104,11 @@ impl Specialise {
 /// What `plan` is to plan for.
 pub(super) fn planned(args: &PlanArgs) -> Result<Wanted> {
     let mut problems = Problems::default();
-    let adaptive = args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)).is_some();
+    let adaptive = args
+        .target_error
+        .as_deref()
+        .and_then(|text| target_error("target-error", text, &mut problems))
+        .is_some();
     let specialise = Specialise::new(args.no_specialise.as_deref(), &mut problems);
     let wanted = specialise.wanted(layout(&args.aov, &mut problems), adaptive);
     problems.into_result(wanted)
@@ -161,12 +172,18 @@ impl RenderOptions {
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
                 time: args.time_limit.as_deref().and_then(|text| time("time-limit", text, &mut problems)),
-                error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
+                error: args
+                    .target_error
+                    .as_deref()
+                    .and_then(|text| target_error("target-error", text, &mut problems)),
+                is_estimated: false,
             },
             specialise: Specialise::new(args.no_specialise.as_deref(), &mut problems),
+            cost: cost::cost(args, &mut problems),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
+        cost::check(&options, &mut problems);
         problems.into_result(options)
     }
 
@@ -464,6 +481,13 @@ fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
     given(number, ("threads", text), "a number of threads", remedy, problems)
 }
 
+/// A whole number in a range.
+fn whole(flag: &str, text: &str, range: RangeInclusive<usize>, problems: &mut Problems) -> Option<usize> {
+    let number = text.trim().parse().ok().filter(|n| range.contains(n));
+    let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
+    given(number, (flag, text), &format!("a number of {flag}"), remedy, problems)
+}
+
 /// A time with its unit, seconds where there is none.
 fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
@@ -475,10 +499,10 @@ fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     given(time, (flag, text), "a time", remedy, problems)
 }
 
-fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
+fn target_error(flag: &str, text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
     let remedy = || "give a relMSE above 0, such as 0.001".to_owned();
-    given(number, ("target-error", text), "an error", remedy, problems)
+    given(number, (flag, text), "an error", remedy, problems)
 }
 
 /// What the text behind a flag was read as; it is a problem that it is not `what` if it could not be.

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+use super::cost::{self, Prediction};
 use super::frozen::Frozen;
 use super::kept::{self, Kept};
 use super::options::RenderOptions;
@@ -70,6 +71,19 @@ impl Stage {
             if is_kept { kept::about(options, frozen) } else { Ok(Value::Null) }
         });
         Ok((about?, load))
+    }
+
+    /// Lets settings be chosen for the scene that was got ready, where somebody is to; the options then have them.
+    pub(super) fn settle(
+        &mut self,
+        options: &mut RenderOptions,
+        start: Instant,
+        progress: &dyn Progress,
+    ) -> Result<Option<Prediction>> {
+        let Some(Last { frozen, files }) = self.last.take() else { return Err(gone()) };
+        let (frozen, prediction) = cost::settle(options, frozen, start, progress)?;
+        self.last = Some(Last { frozen, files });
+        Ok(prediction)
     }
 
     /// Makes a picture of the scene that was got ready for it.

@@ -350,6 +350,7 @@ mod tests {
             threads: None,
             limits: render::Limits::default(),
             specialise: crate::cli::options::Specialise::default(),
+            cost: None,
             precision: Precision::Float,
             stats: None,
         };

@@ -39,6 +39,7 @@ pub(in crate::scene) fn asked(scene: &Scene, places: Places<'_>) -> Vec<Asked> {
     count.shapes(scene);
     count.materials(scene);
     count.lights(scene);
+    count.add(Capability::RobustTraversal, usize::from(scene.render.robust), None);
     let camera = Some(places.camera);
     count.add(Capability::MovingCamera, usize::from(scene.camera.is_moving()), camera);
     count.add(Capability::Lens, usize::from(scene.camera.has_lens()), camera);
