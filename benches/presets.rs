@@ -40,7 +40,7 @@ const SIZE: [u32; 2] = [80, 45];
 const RUNS: u32 = 3;
 const REFERENCE: u32 = 512;
 
-type Fallible<T> = std::result::Result<T, Box<dyn std::error::Error>>;
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 
 fn main() -> Fallible<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
