@@ -2,12 +2,14 @@
 //!
 //! What is written goes to a temporary file in the same directory, which takes the target's name when it is complete. A
 //! reader never sees half a file, and a failure leaves the old one as it was. A symbolic link is followed, not replaced. What a
-//! process leaves that is killed meanwhile goes when the same target is written again.
+//! process leaves that is killed meanwhile goes when a later process writes the same target again.
 
+use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write as _};
 use std::path::{Path, PathBuf};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use tempfile::NamedTempFile;
 
@@ -72,19 +74,32 @@ fn prefix(name: &OsStr) -> OsString {
 const RANDOM: usize = 6;
 const SUFFIX: &str = ".tmp";
 
+/// Temporary files that directories had when this process first wrote to them: what a killed process left. Listing a directory of thousands of
+/// files for each of them took more time than writing them.
+static LEFT: LazyLock<Mutex<HashMap<PathBuf, Vec<OsString>>>> = LazyLock::new(Mutex::default);
+
 /// Removes temporary files of a target whose writers are gone: their locks went with them.
 fn sweep(directory: &Path, prefix: &OsStr) {
-    let Ok(entries) = fs::read_dir(directory) else { return };
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let (name, prefix) = (name.as_encoded_bytes(), prefix.as_encoded_bytes());
-        let is_ours = name.len() == prefix.len() + RANDOM + SUFFIX.len()
-            && name.starts_with(prefix)
-            && name.ends_with(SUFFIX.as_bytes());
-        if is_ours && File::open(entry.path()).is_ok_and(|file| file.try_lock().is_ok()) {
-            let _ = fs::remove_file(entry.path());
-        }
-    }
+    let mut left = LEFT.lock().unwrap_or_else(PoisonError::into_inner);
+    let left = left.entry(directory.to_owned()).or_insert_with(|| temporary(directory));
+    left.retain(|name| {
+        let (bytes, prefix) = (name.as_encoded_bytes(), prefix.as_encoded_bytes());
+        let is_ours = bytes.len() == prefix.len() + RANDOM + SUFFIX.len() && bytes.starts_with(prefix);
+        let path = directory.join(name);
+        let is_over = is_ours && File::open(&path).is_ok_and(|file| file.try_lock().is_ok());
+        !is_over || fs::remove_file(&path).is_err()
+    });
+}
+
+/// The temporary files of a directory.
+fn temporary(directory: &Path) -> Vec<OsString> {
+    let Ok(entries) = fs::read_dir(directory) else { return Vec::new() };
+    let names = entries.flatten().map(|entry| entry.file_name());
+    let is_temporary = |name: &OsString| {
+        let bytes = name.as_encoded_bytes();
+        bytes.starts_with(b".") && bytes.ends_with(SUFFIX.as_bytes())
+    };
+    names.filter(is_temporary).collect()
 }
 
 /// Says now what would keep `path` from being written later: its directory is missing, or it is one itself.
