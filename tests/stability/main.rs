@@ -8,10 +8,13 @@
     reason = "small numbers, and roundings meant"
 )]
 
+#[path = "../support/one_of_each.rs"]
+mod one_of_each;
 mod suite;
 
+use specula::math::Vec3;
 use specula::math::lanes::Level;
-use suite::rows;
+use suite::{axes, rows};
 
 #[test]
 fn every_kernel_stays_within_its_bound() {
@@ -64,4 +67,35 @@ fn everything_is_finite() {
         }
     }
     assert!(failures.is_empty(), "{} kernels:\n{}", failures.len(), failures.join("\n"));
+}
+
+/// All that surfaces of all kinds can be asked, with directions from grazing to upright and the ends of numbers.
+#[test]
+fn every_kind_of_surface_is_finite() {
+    let list = one_of_each::lobes();
+    assert_eq!(one_of_each::missing(&list), [""; 0], "kinds that are not in the list");
+    let directions = |axis: axes::Axis| -> Vec<Vec3<f32>> {
+        axis.extremes.iter().map(|d| Vec3::new(d[0], d[1], d[2])).collect()
+    };
+    let numbers: Vec<f32> = axes::number().extremes.concat();
+    let (above, around) = (directions(axes::above()), directions(axes::around()));
+    for (name, bsdf) in list {
+        for &wo in &above {
+            for branch in bsdf.branches(wo).into_iter().flatten() {
+                let told = branch.weight.is_finite() && branch.radiance_scale.is_finite();
+                assert!(told && branch.wi.length2().is_finite(), "{name} {wo:?}: {branch:?}");
+            }
+            for &wi in &around {
+                let (glossy, matt) = (bsdf.eval_glossy(wo, wi), bsdf.eval_diffuse(wo, wi));
+                let told = glossy.is_finite() && matt.is_finite() && bsdf.pdf_glossy(wo, wi).is_finite();
+                assert!(told, "{name} {wo:?} {wi:?}: {glossy:?} {matt:?}");
+            }
+            for u2 in numbers.iter().flat_map(|u| numbers.iter().map(|v| [*u, *v])) {
+                for sample in bsdf.sample_glossy(wo, u2).into_iter().flatten().filter(|sample| sample.valid) {
+                    let told = sample.weight.is_finite() && sample.pdf.is_finite() && sample.pdf > 0.0;
+                    assert!(told && sample.wi.length2().is_finite(), "{name} {wo:?} {u2:?}: {sample:?}");
+                }
+            }
+        }
+    }
 }

@@ -29,9 +29,26 @@ impl Big {
     pub(crate) fn ln(&self) -> Self {
         if *self <= big(0.0) { big(-1e30) } else { Self(self.0.ln()) }
     }
-    /// The angle in [0, pi/2] of this cosine in [0, 1].
+    /// The angle in [0, pi] of this cosine in [-1, 1].
     pub(crate) fn acos(&self) -> Self {
-        if *self >= big(1.0) { big(0.0) } else { Self(self.0.acos()) }
+        if *self >= big(1.0) {
+            big(0.0)
+        } else if *self <= big(-1.0) {
+            pi()
+        } else if self.is_positive() {
+            Self(self.0.acos())
+        } else {
+            pi() - Self((-self).0.acos())
+        }
+    }
+    /// The angle of this tangent, in (-pi/2, pi/2).
+    pub(crate) fn atan(&self) -> Self {
+        let angle = (big(1.0) / (self.square() + 1.0).sqrt()).acos();
+        if self.is_positive() { angle } else { -angle }
+    }
+    /// The same as an `f32`.
+    pub(crate) fn to_f32(&self) -> f32 {
+        self.to_f64() as f32
     }
     /// The greater of both.
     pub(crate) fn max(&self, other: &Self) -> Self {
@@ -157,6 +174,11 @@ pub(crate) fn dot(a: &[Big], b: &[Big]) -> Big {
 pub(crate) fn unit(a: &[Big]) -> Vec<Big> {
     let length = dot(a, a).sqrt();
     a.iter().map(|x| x / &length).collect()
+}
+
+/// The vector product.
+pub(crate) fn cross(a: &[Big], b: &[Big]) -> Vec<Big> {
+    [(1, 2), (2, 0), (0, 1)].iter().map(|&(i, j)| &a[i] * &b[j] - &a[j] * &b[i]).collect()
 }
 
 /// `a + t b`.

@@ -107,6 +107,37 @@ pub(crate) fn rows() -> Vec<Row> {
             }
         ),
         kernel!(
+            "models of glass: with edge term, constant",
+            [cosine(), eta()],
+            |c, e| {
+                let of = |model| Glass::new(model, e).at(c).reflectance;
+                [of(FresnelModel::F82), of(FresnelModel::Constant)]
+            },
+            |t| {
+                let (zero, one) = (big(0.0), big(1.0));
+                if t[1] == one {
+                    return Some(vec![zero.clone(), zero]);
+                }
+                let r0 = ((&t[1] - 1.0) / (&t[1] + 1.0)).square();
+                let Some([_, inner]) = dielectric(&t[0], &t[1]) else { return Some(vec![one.clone(), one]) };
+                let (c, up) = if t[1] < one { (inner, &one / &t[1]) } else { (t[0].clone(), t[1].clone()) };
+                let seventh = big(f64::from(fresnel::EDGE_COSINE));
+                let [known, _] = dielectric(&seventh, &up)?;
+                let shape = |c: &Big| {
+                    let m = big(1.0) - c;
+                    c * m.square().square() * m.square()
+                };
+                let edge = (schlick(&seventh, &r0) - known) / shape(&seventh);
+                let f82 = schlick(&c, &r0) - edge * shape(&c);
+                Some(vec![f82.max(&zero).min(&one), r0])
+            },
+            "4e-6 absolute, and ten times what rounding makes of a refracted cosine",
+            |a, _| {
+                let cos2 = ((a[1] - 1.0) * (a[1] + 1.0) + a[0] * a[0]).max(0.0) / (a[1] * a[1]);
+                4e-6 + 20.0 * near_critical(a[0], a[1]) * cos2.sqrt()
+            }
+        ),
+        kernel!(
             "normal incidence",
             [eta()],
             |e| [fresnel::normal_incidence(e)],

@@ -1,10 +1,12 @@
-//! Rays and shapes, offsets and transforms: single precision, one at a time.
+//! Rays and shapes, points, offsets and transforms: single precision, one at a time. Cylinders, cones and tori find their hits in double
+//! precision, as roots of polynomials: `tests/surfaces.rs` holds them against their equations over bodies from 1e-6 to 1e6, grazing and
+//! far rays among them.
 
 use super::axes::{above, around, number, place, scale};
-use super::big::{Big, along, big, dot, minus};
+use super::big::{Big, along, big, cross, dot, minus};
 use super::row::Row;
 use glam::{Affine3A, Mat3A, Quat, Vec3};
-use specula::geometry::{Disc, Sphere, intersect_triangle, spawn};
+use specula::geometry::{Disc, Mesh, Points, Sphere, intersect_triangle, spawn};
 use specula::math::Transform;
 
 fn vec(a: &[f32]) -> Vec3 {
@@ -30,6 +32,35 @@ fn exact(v: Vec3) -> [Big; 3] {
 
 fn floats(t: &[Big]) -> Vec<f32> {
     t.iter().map(|x| x.to_f64() as f32).collect()
+}
+
+/// How far an origin was moved along the normal, and the error's share of that normal.
+fn offset(a: &[f32]) -> [f64; 2] {
+    let (p, n) = (vec(a), vec(&a[3..6]));
+    let error = (p.abs() + a[6]) * 3e-7;
+    let moved = Vec3::from(spawn::origin::<f32>(p.into(), error.into(), n.into(), n.into()));
+    [(moved.as_dvec3() - p.as_dvec3()).dot(n.as_dvec3()), error.as_dvec3().dot(n.abs().as_dvec3())]
+}
+
+/// A thin triangle of that size at those coordinates, and a point's parameters.
+fn needle(a: &[f32]) -> ([Vec3; 3], [f32; 2]) {
+    let (base, size) = (vec(a), a[3]);
+    let corners =
+        [base, base + Vec3::new(size, 0.1 * size, 0.0), base + Vec3::new(size, 0.1 * size, 0.01 * size)];
+    (corners, [a[4] * 0.5, a[5] * 0.5])
+}
+
+fn points(corners: [Vec3; 3], uv: [f32; 2]) -> Points<f32> {
+    let mesh = Mesh::new(corners.to_vec(), vec![[0, 1, 2]]).expect("a triangle");
+    mesh.points::<f32>(0, uv, Vec3::Z.into(), false)
+}
+
+/// Where the point of `needle` is.
+fn place_truth(t: &[Big]) -> [Big; 3] {
+    let (corners, [u, v]) = needle(&floats(t));
+    let [a, b, c] = corners.map(exact);
+    let [u, v] = [u, v].map(|x| big(f64::from(x)));
+    [0, 1, 2].map(|k| &a[k] + &u * (&b[k] - &a[k]) + &v * (&c[k] - &a[k]))
 }
 
 /// How far along the ray it enters the sphere, both exactly as the floats say; `None` where it misses or nearly so.
@@ -96,14 +127,43 @@ pub(crate) fn rows() -> Vec<Row> {
             |t| triangle_truth(t), "1.5e-7", |_, t| 1.5e-7 * t),
         kernel!(scalar "offset: how far the origin moved, less the error's share of the normal, when too little",
             [place(), around(), scale()], |a| {
-                let (p, n) = (vec(a), vec(&a[3..6]));
-                let error = (p.abs() + a[6]) * 3e-7;
-                let moved = Vec3::from(spawn::origin::<f32>(p.into(), error.into(), n.into(), n.into()));
-                let way = (moved.as_dvec3() - p.as_dvec3()).dot(n.as_dvec3());
-                let least = error.as_dvec3().dot(n.abs().as_dvec3());
+                let [way, least] = offset(a);
                 [(way - least).min(0.0) as f32]
             },
             |_| Some(vec![big(0.0)]), "1e-6 of the offset", |a, _| 1e-6 * 3e-7 * (reach(a, 0.0) + a[6]) * 2.0),
+        kernel!(scalar "offset: how far the origin moved beyond the error's share of the normal",
+            [place(), around(), scale()], |a| {
+                let [way, least] = offset(a);
+                [(way - least) as f32]
+            },
+            // A rounding and the step to the next number, on each axis by its share of the normal.
+            |_| Some(vec![big(0.0)]), "4e-7 of the coordinates", |a, _| 4e-7 * reach(a, 0.0) + 1e-6 * 3e-7 * a[6]),
+        kernel!(scalar "points: of a triangle", [place(), scale(), number(), number()], |a| {
+                let (corners, [u, v]) = needle(a);
+                Vec3::from(points(corners, [u, v]).p).to_array()
+            },
+            |t| Some(place_truth(t).to_vec()), "3e-7 of the corners", |a, _| 3e-7 * (reach(a, 0.0) + 2.0 * a[3])),
+        kernel!(scalar "points: how far beyond the stated error a triangle's point is", [place(), scale(), number(), number()], |a| {
+                let (corners, [u, v]) = needle(a);
+                let found = points(corners, [u, v]);
+                let truth = place_truth(&a.iter().map(|x| big(f64::from(*x))).collect::<Vec<_>>());
+                let [p, error] = [found.p, found.p_error].map(|w| Vec3::from(w).to_array().map(f64::from));
+                let beyond = |k: usize| (truth[k].to_f64() - p[k]).abs() - error[k];
+                [beyond(0).max(beyond(1)).max(beyond(2)).max(0.0) as f32]
+            },
+            |_| Some(vec![big(0.0)]), "not at all", |_, _| 0.0),
+        kernel!(scalar "points: of a sphere, less its radius, within the stated error", [place(), around(), scale()], |a| {
+                let sphere = Sphere { center: vec(a), radius: a[6] };
+                // A hit is off by some roundings.
+                let near = vec(a) + vec(&a[3..6]) * (a[6] * (1.0 + 1e-6));
+                let found = sphere.points::<f32>(near.into());
+                let (p, error) = (Vec3::from(found.p).as_dvec3(), Vec3::from(found.p_error).as_dvec3());
+                // The nearest of the sphere along the normal found.
+                let n = Vec3::from(found.ng).as_dvec3().normalize();
+                let off = (sphere.center.as_dvec3() + n * f64::from(sphere.radius) - p).abs();
+                [(off - error).max_element().max(0.0) as f32]
+            },
+            |_| Some(vec![big(0.0)]), "not beyond it", |_, _| 0.0),
         kernel!(scalar "transform: point", [place(), number(), scale(), place()], |a| {
                 transform(a[3], a[4], vec(&a[5..8])).point(vec(a)).to_array()
             },
@@ -149,9 +209,6 @@ fn triangle_truth(t: &[Big]) -> Option<Vec<Big>> {
     let (o, d) = (exact(o[0]), exact(d[0]));
     let [a, b, c] = corners.map(exact);
     let (ab, ac, ao) = (minus(&b, &a), minus(&c, &a), minus(&o, &a));
-    let cross = |p: &[Big], q: &[Big]| -> Vec<Big> {
-        [(1, 2), (2, 0), (0, 1)].iter().map(|&(i, j)| &p[i] * &q[j] - &p[j] * &q[i]).collect()
-    };
     // Cramer's rule.
     let n = cross(&ab, &ac);
     let det = -dot(&d, &n);

@@ -16,6 +16,7 @@ mod phong;
 pub(crate) mod random;
 mod reference;
 mod specular;
+mod spherical;
 mod vectors;
 mod warps;
 
@@ -24,6 +25,6 @@ pub(crate) use row::Row;
 /// All kernels, by family.
 pub(crate) fn rows() -> Vec<Row> {
     let surfaces = [fresnel::rows(), specular::rows(), matt::rows(), facets::rows(), phong::rows()];
-    let others = [warps::rows(), vectors::rows(), geometry::rows()];
+    let others = [warps::rows(), spherical::rows(), vectors::rows(), geometry::rows()];
     surfaces.into_iter().chain(others).flatten().collect()
 }

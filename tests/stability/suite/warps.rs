@@ -159,6 +159,65 @@ pub(crate) fn rows() -> Vec<Row> {
             |a, p| p * (3e-6 + 3e-7 * (p / (a[3] + 1.0)).max(1e-300).ln().abs()) + 1.2e-38 * (a[3] + 1.0)
         ),
         kernel!(
+            "uniform hemisphere",
+            [number(), number()],
+            |u, v| {
+                let w = warp::uniform_hemisphere([u, v]);
+                [w.x, w.y, w.z]
+            },
+            |t| {
+                let [x, y, r] = disc(&t[0], &t[1]);
+                let scale = (big(2.0) - r.square()).sqrt();
+                Some(vec![x * &scale, y * &scale, big(1.0) - r.square()])
+            },
+            "3e-7",
+            |_, _| 3e-7
+        ),
+        kernel!(
+            "inverses of disc and cosine hemisphere",
+            [above()],
+            |x, y, z| {
+                let ([a, b], [c, d]) =
+                    (warp::disc_inverse([x, y]), warp::cosine_hemisphere_inverse(Vec3::new(x, y, z)));
+                [a, b, c, d]
+            },
+            |t| {
+                let along_x = t[0].abs() > t[1].abs();
+                let (main, other) = if along_x { (&t[0], &t[1]) } else { (&t[1], &t[0]) };
+                let length = dot(&t[..2], &t[..2]).sqrt();
+                let [r, side] = if length.is_positive() {
+                    let r = if main.is_positive() { length } else { -length };
+                    let side = &r * (other / main).atan() * 4.0 / pi();
+                    [r, side]
+                } else {
+                    [big(0.0), big(0.0)]
+                };
+                // The greatest number below 1 is the last.
+                let pair = if along_x { [r, side] } else { [side, r] };
+                let [u, v] = pair.map(|a| (a / 2.0 + 0.5).min(&big(1.0 - 0.5_f64.powi(24))).max(&big(0.0)));
+                Some(vec![u.clone(), v.clone(), u, v])
+            },
+            "2e-7",
+            |_, _| 2e-7
+        ),
+        kernel!(
+            "cone: there and back",
+            [number(), number(), cone()],
+            |u, v, h| warp::cone_inverse(warp::cone([u, v], h), h),
+            // Numbers stand for centres of cells.
+            |t| Some(t[..2].iter().map(|u| u + 0.5_f64.powi(25)).collect()),
+            "5e-7",
+            |_, _| 5e-7
+        ),
+        kernel!(
+            "triangle: there and back",
+            [number(), number()],
+            |u, v| warp::triangle_inverse(warp::triangle([u, v])),
+            |t| Some(t.to_vec()),
+            "1.2e-7",
+            |_, _| 1.2e-7
+        ),
+        kernel!(
             "uniform sphere",
             [number(), number()],
             |u, v| {
