@@ -1,4 +1,5 @@
-//! Rectangles and triangles by solid angle, against the formulas as published: angles of spherical polygons, which cancel. One at a time:
+//! Rectangles and triangles by solid angle, against the formulas as published: angles of spherical polygons, which cancel. One at a time, and
+//! of rectangles the solid angle alone: `tests/light_laws.rs` has where their points fall;
 //! `tests/lanes_agree` has lights that draw by them at every width.
 
 use super::axes::{Axis, of};
@@ -32,56 +33,30 @@ fn ends(from: &Big, size: &Big) -> [Big; 2] {
     [from.clone(), big(f64::from(from.to_f32() + size.to_f32()))]
 }
 
-/// What Urena, Fajardo and King 2013 draw with: the ends along x and y, the distance, cosines of two normals of edges, k, and the
-/// solid angle.
-struct Rectangle {
-    x: [Big; 2],
-    y: [Big; 2],
-    z: Big,
-    b: [Big; 2],
-    k: Big,
-    solid_angle: Big,
-}
-
-impl Rectangle {
-    fn new(t: &[Big]) -> Self {
-        let (x, y, z) = (ends(&t[0], &t[1]), ends(&t[2], &t[3]), -&t[4]);
-        let corner = |i: usize, j: usize| [x[i].clone(), y[j].clone(), z.clone()];
-        let way = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
-        let n = [0, 1, 2, 3].map(|i| unit(&cross(&way[i], &way[(i + 1) % 4])));
-        let g = [0, 1, 2, 3].map(|i| (-dot(&n[i], &n[(i + 1) % 4])).acos());
-        let k = pi() * 2.0 - &g[2] - &g[3];
-        let solid_angle = &g[0] + &g[1] - &k;
-        let b = [n[0][2].clone(), n[2][2].clone()];
-        Self { x, y, z, b, k, solid_angle }
-    }
-
-    /// The point for a pair of numbers.
-    fn at(&self, u: &Big, v: &Big) -> [Big; 2] {
-        let [sin, cos] = ((u * &self.solid_angle + &self.k) / (pi() * 2.0)).sin_cos_turns();
-        // Zero straight below the point, where the tangent is infinite.
-        let sin = if sin == big(0.0) { big(1e-60) } else { sin };
-        let fu = (cos * &self.b[0] - &self.b[1]) / sin;
-        let cu = big(1.0) / (fu.square() + self.b[0].square()).sqrt();
-        let cu = if fu.is_positive() { cu } else { -cu };
-        let x = -(&cu * &self.z) / (big(1.0) - cu.square()).sqrt();
-        let x = x.max(&self.x[0]).min(&self.x[1]);
-        let d2 = x.square() + self.z.square();
-        let [h0, h1] = [0, 1].map(|i| &self.y[i] / (&d2 + self.y[i].square()).sqrt());
-        let h = &h0 + v * (h1 - &h0);
-        let y = &h * d2.sqrt() / (big(1.0) - h.square()).sqrt();
-        [x, y.max(&self.y[0]).min(&self.y[1])]
-    }
-}
-
-/// From -1 to 1 between two ends.
-fn within(x: &Big, ends: &[Big; 2]) -> Big {
-    (x * 2.0 - &ends[0] - &ends[1]) / (&ends[1] - &ends[0])
+/// The solid angle of a rectangle: the sum of the angles of its corners, seen as a spherical polygon, less two right angles for each
+/// beyond two.
+fn solid_angle_of_rectangle(t: &[Big]) -> Big {
+    let (x, y) = (ends(&t[0], &t[1]), ends(&t[2], &t[3]));
+    let corner = |i: usize, j: usize| [x[i].clone(), y[j].clone(), -&t[4]];
+    let way = [corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)];
+    let n = [0, 1, 2, 3].map(|i| unit(&cross(&way[i], &way[(i + 1) % 4])));
+    let angles = [0, 1, 2, 3].map(|i| (-dot(&n[i], &n[(i + 1) % 4])).acos());
+    angles.iter().fold(pi() * -2.0, |sum, angle| sum + angle)
 }
 
 /// How far a fraction of an edge is off where its ends are rounded.
 fn rounded_ends(from: f64, size: f64) -> f64 {
     1.2e-7 * (from.abs() + size) / size
+}
+
+/// How far the corners of a triangle are, about.
+fn reach(a: &[f64]) -> f64 {
+    a[0].abs().max(a[1].abs()).max(a[2]) + a[3]
+}
+
+/// By how much unit vectors to the corners are turned by rounding, beside the angle that the plane's distance fills.
+fn rounded_ways(a: &[f64]) -> f64 {
+    6e-8 * reach(a) / a[2]
 }
 
 /// The corners of a triangle as they are seen: as floats.
@@ -157,28 +132,19 @@ pub(crate) fn rows() -> Vec<Row> {
     vec![
         kernel!(scalar "rectangle: solid angle", [end(), size(), end(), size(), distance()],
             |a| [rectangle(a).solid_angle()],
-            |t| Some(vec![Rectangle::new(t).solid_angle]),
+            |t| Some(vec![solid_angle_of_rectangle(t)]),
             "2e-6, and the rounding of the ends",
             |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))),
-        kernel!(scalar "rectangle: point by solid angle, as fractions of the edges",
-            [end(), size(), end(), size(), distance(), few_numbers(), few_numbers()],
-            |a| rectangle(a).sample_within([a[5], a[6]]),
-            |t| {
-                let rectangle = Rectangle::new(t);
-                let [x, y] = rectangle.at(&t[5], &t[6]);
-                Some(vec![within(&x, &rectangle.x), within(&y, &rectangle.y)])
-            },
-            "1e-5, and the rounding of the ends",
-            |a, _| 1e-5 + 4.0 * (rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))),
         kernel!(scalar "triangle: solid angle", [end(), end(), distance(), size()],
             |a| [triangle(a).solid_angle()],
             |t| Some(vec![Triangle::new(t).solid_angle]),
-            "2e-6", |_, s| 2e-6 * s),
+            "2e-6, and the rounding of the ways over the distance of the plane",
+            |a, s| s * (2e-6 + rounded_ways(a))),
         kernel!(scalar "triangle: barycentric coordinates by solid angle",
             [end(), end(), distance(), size(), few_numbers(), few_numbers()],
             |a| triangle(a).sample([a[4], a[5]]),
             |t| Triangle::new(t).at(&t[4], &t[5]),
-            "1e-5, and the rounding of the corners over the size",
-            |a, _| 1e-5 + 1e-6 * (a[0].abs().max(a[1].abs()).max(a[2]) + a[3]) / a[3]),
+            "1e-5, and four times the rounding of the ways over the distance of the plane and over the size",
+            |a, _| 1e-5 + 4.0 * rounded_ways(a) + 1e-6 * reach(a) / a[3]),
     ]
 }
