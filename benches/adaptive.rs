@@ -73,7 +73,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 fn picture(noisy: &Noisy, scale: &Scale, settings: &str, spp: u32, target: Option<f64>) -> Rendered {
     let scene = scene_of(&noisy.text(scale.size, &format!("{settings}\nspp = {spp}")));
-    let limits = Limits { time: None, error: target };
+    let limits = Limits { error: target, ..Limits::default() };
     render(&scene, &Settings { limits, ..Settings::default() }, &Silent).expect("a picture")
 }
 

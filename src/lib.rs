@@ -28,7 +28,8 @@
 //! ```
 //!
 //! Whoever wants pictures goes on to [`scene::load()`], [`scene::build()`] and [`render::render`]; whoever wants to know
-//! how good they are, to [`measure::Comparison`]; whoever chooses a backend, to [`bench::Track`].
+//! how good they are, to [`measure::Comparison`]; whoever chooses a backend, to [`bench::Track`]; whoever chooses settings, to
+//! [`tradeoff::runs::Sweep`].
 
 pub mod accel;
 pub mod bench;
@@ -49,3 +50,4 @@ pub mod render;
 pub mod sampling;
 pub mod scene;
 pub mod texture;
+pub mod tradeoff;

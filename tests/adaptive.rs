@@ -28,7 +28,7 @@ fn rendered(text: &str, limits: Limits, threads: usize) -> Rendered {
 }
 
 fn until(error: f64) -> Limits {
-    Limits { time: None, error: Some(error) }
+    Limits { error: Some(error), ..Limits::default() }
 }
 
 fn mean_spp(film: &Film) -> f64 {
@@ -114,7 +114,8 @@ fn the_most_samples_and_the_time_end_it_as_well() {
         let even = rendered(&text(spp), Limits::default(), 0);
         assert!(bits(&ended.film) == bits(&even.film), "{spp}: as many everywhere");
     }
-    let limits = |time| Limits { time: Some(Duration::from_secs_f64(time)), error: Some(0.03) };
+    let limits =
+        |time| Limits { time: Some(Duration::from_secs_f64(time)), error: Some(0.03), ..Limits::default() };
     let hasty = rendered(&text(1 << 16), limits(1e-6), 0);
     assert_eq!((hasty.statistics.ended, hasty.statistics.estimate), (Ended::Time, None), "no time");
     assert_eq!(hasty.film.samples_of_pixels(), [1, 1], "one each");
@@ -122,7 +123,8 @@ fn the_most_samples_and_the_time_end_it_as_well() {
     assert_eq!(leisurely.statistics.ended, Ended::Error, "time enough");
     let unhurried = rendered(&text(1 << 16), until(0.03), 0);
     assert!(mean_spp(&leisurely.film) < 1.5 * mean_spp(&unhurried.film), "shorter passes, the same end");
-    let impossible = Limits { time: Some(Duration::from_millis(400)), error: Some(1e-12) };
+    let impossible =
+        Limits { time: Some(Duration::from_millis(400)), error: Some(1e-12), ..Limits::default() };
     assert_eq!(rendered(&text(1 << 16), impossible, 0).statistics.ended, Ended::Time, "too much to ask");
 }
 

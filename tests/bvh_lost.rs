@@ -190,5 +190,7 @@ fn no_hit_is_lost_by_boxes() {
     }
     println!("of {total_hits} hits {totals:?} are lost by {names:?}");
     println!("of {unaimed_hits} hits of rays that are not aimed {unaimed:?}");
+    assert!(unaimed_hits > 50_000 && unaimed[0] * 10_000 < unaimed_hits, "as they come: {unaimed:?}");
+    assert_eq!(unaimed[2..], [0; 6], "in frames of their own, padded or not");
     assert!(totals[..2].iter().all(|&lost| lost > 0), "nothing to be cured: the test shows nothing");
 }

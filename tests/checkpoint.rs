@@ -157,7 +157,7 @@ fn interrupted_pictures_of_filtered_reflections_are_those_of_one_go() {
         );
     }
     // Time that earlier runs took counts, and what ended is that of its samples.
-    let limits = Limits { time: Some(Duration::from_millis(600)), error: None };
+    let limits = Limits { time: Some(Duration::from_millis(600)), ..Limits::default() };
     let scene = scene_of(&fuzzy_room(""));
     let (resumed, times) = interrupted(&scene, &settings(2, limits), 20_000, Duration::from_secs(3600));
     assert_eq!(resumed.statistics.ended, Ended::Time, "{times} interruptions");
@@ -217,7 +217,7 @@ fn copies_taken_meanwhile_change_nothing() {
 fn pictures_that_end_by_their_error_go_on_by_what_they_knew() {
     for spp in [1000, 1024] {
         let scene = scene_of(&room(&format!("integrator = \"path\"\nspp = {spp}")));
-        let settings = settings(2, Limits { time: None, error: Some(2e-3) });
+        let settings = settings(2, Limits { error: Some(2e-3), ..Limits::default() });
         let whole = render(&scene, &settings, &Silent).expect("a picture");
         assert_eq!(whole.statistics.ended, Ended::Error, "{spp}");
         let (resumed, times) = interrupted(&scene, &settings, 12_000, Duration::from_secs(3600));
@@ -231,7 +231,7 @@ fn pictures_that_end_by_their_error_go_on_by_what_they_knew() {
 #[test]
 fn pictures_that_time_ends_count_all_of_it() {
     let scene = scene_of(&room("integrator = \"path\""));
-    let limits = Limits { time: Some(Duration::from_millis(900)), error: None };
+    let limits = Limits { time: Some(Duration::from_millis(900)), ..Limits::default() };
     let begin = Instant::now();
     let (resumed, times) = interrupted(&scene, &settings(2, limits), 15_000, Duration::from_secs(3600));
     println!("{times} interruptions, {:?}", begin.elapsed());
@@ -247,7 +247,7 @@ fn pictures_that_time_ends_count_all_of_it() {
 fn small() -> (Scene, Settings, Vec<u8>) {
     let text = room("integrator = \"path\"\nspp = 64").replace("width = 37", "width = 5");
     let scene = scene_of(&text.replace("height = 21", "height = 4"));
-    let settings = settings(1, Limits { time: None, error: Some(1e-9) });
+    let settings = settings(1, Limits { error: Some(1e-9), ..Limits::default() });
     let keeper = Memory::new(Duration::from_secs(3600));
     let stop = Stop { left: AtomicU64::new(700), last: AtomicU64::new(0) };
     let kept = Kept { begin: None, keeper: Some(&keeper) };

@@ -166,39 +166,10 @@ fn a_picture_is_written_to_the_files_asked_for_and_they_are_named() {
 #[test]
 fn flags_override_the_scene_and_the_metadata_tell() {
     let place = place();
-    let words = [
-        "render",
-        "ball.toml",
-        "-q",
-        "-o",
-        "a.exr",
-        "--spp",
-        "2",
-        "--width",
-        "10",
-        "--height",
-        "6",
-        "--seed",
-        "5",
-        "--backend",
-        "brute",
-        "--sampler",
-        "independent",
-        "--max-depth",
-        "3",
-        "--min-throughput",
-        "0.5",
-        "--fresnel",
-        "schlick",
-        "--light-samples",
-        "3",
-        "--glossy-samples",
-        "2",
-        "--stats",
-        "a.json",
-        "-D",
-        "materials.wall.reflectance=0.25",
-    ];
+    let flags = "--spp 2 --width 10 --height 6 --seed 5 --backend brute --sampler independent --max-depth 3 \
+                 --min-throughput 0.5 --fresnel schlick --light-samples 3 --glossy-samples 2 --stats a.json \
+                 -D materials.wall.reflectance=0.25";
+    let words: Vec<&str> = "render ball.toml -q -o a.exr".split(' ').chain(flags.split(' ')).collect();
     let (status, _, stderr) = place.run(&words);
     assert_eq!(status, 0, "{stderr}");
     let picture = exr::read(&place.path("a.exr")).expect("a picture");

@@ -1,8 +1,8 @@
 //! How much pictures depend on the way that rays are asked for: pixels that single rays, packets and streams give other values.
 //!
 //! Embree has kernels of their own for packets, which round otherwise; a sample beside an edge may then meet something else. Testing every
-//! primitive (`brute`) has one kernel: what is left there is the rounding of shading over lanes, and nothing at all where all engines
-//! shade one lane (`SPECULA_ISA=scalar`). `cargo test --test engines -- --nocapture` prints the counts of
+//! primitive (`brute`) has one kernel: what is left there is the rounding of shading over lanes, which is no difference where paths shade one lane
+//! (`SPECULA_ISA=scalar`), and in trees the order in which the light of rays that wait for others is added. `cargo test --test engines -- --nocapture` prints the counts of
 //! `benches/record/engines.md`.
 
 #[path = "support/desk.rs"]
@@ -68,11 +68,12 @@ fn engines_differ_by_what_embrees_kernels_and_rounding_do() {
             let [packets, streams] = counts;
             println!("{integrator:12} {backend:6} {isa:6} packets {packets:?} streams {streams:?}");
             for [bits, far] in counts {
-                if backend == "brute" && isa == "scalar" {
-                    assert_eq!([bits, far], [0, 0], "{integrator}: one kernel, one lane");
-                } else {
-                    assert!(far * 50 < pixels, "{integrator}, {backend}: {far} of {pixels} pixels differ");
-                }
+                let is_tree = integrator != "path";
+                // A few samples of paths fall on the other side of an edge.
+                let most = if backend == "brute" && (is_tree || isa == "scalar") { 0 } else { pixels / 100 };
+                assert!(far <= most, "{integrator}, {backend} {isa}: {far} of {pixels} pixels differ");
+                let same = isa == "scalar" && !is_tree;
+                assert!(!same || bits == 0, "{integrator}, {backend} {isa}: {bits} pixels differ in a bit");
             }
         }
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lowest first.
-const FLOORS: [&str; 19] = [
+const FLOORS: [&str; 20] = [
     "math",
     "error",
     "image",
@@ -24,6 +24,7 @@ const FLOORS: [&str; 19] = [
     "render",
     "measure",
     "bench",
+    "tradeoff",
     "cli",
 ];
 

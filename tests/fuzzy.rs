@@ -3,19 +3,22 @@
 #[path = "support/first_passes.rs"]
 #[expect(dead_code, reason = "the bench uses the rest")]
 mod first_passes;
+#[path = "support/fuzzy_edge.rs"]
+mod fuzzy_edge;
 #[path = "support/scene.rs"]
 mod support;
 
 use first_passes::{facing, odd};
+use fuzzy_edge::{edge, of_lobe, rendered};
+use glam::Vec3;
 use specula::film::{Aov, Layout};
 use specula::image::Window;
 use specula::math::lanes::Level;
 use specula::post::{
-    Correction, Filtered, Fuzzy, GBuffer, Radius, Rejection, Shape, Speed, Weighting, filter,
+    Correction, End, Filtered, Fuzzy, GBuffer, Lobe, Radius, Rejection, Shape, Speed, Weighting, filter,
 };
-use specula::render::{Rendered, Settings, Silent, render};
+use specula::render::Settings;
 use std::num::NonZeroUsize;
-use support::scene_of;
 
 /// Of all of the lobe, as it is.
 const WHOLE: Fuzzy = Fuzzy {
@@ -48,34 +51,6 @@ fn filtered(g: &GBuffer, fuzzy: &Fuzzy) -> Filtered {
     filter(g, g.window, fuzzy, (Level::best(), 0))
 }
 
-/// The integral of (1 + x^2)^-k from `from` on over that of all x, by Simpson's rule in the angle whose tangent is x.
-fn beyond(from: f64, k: f64) -> f64 {
-    let integral = |low: f64, high: f64| {
-        const STEPS: u32 = 4000;
-        let h = (high - low) / f64::from(STEPS);
-        let f = |i: u32| {
-            // dx = dJ / cos^2 J, and 1 + x^2 = 1 / cos^2 J.
-            let weight = if i == 0 || i == STEPS {
-                1.0
-            } else if i % 2 == 1 {
-                4.0
-            } else {
-                2.0
-            };
-            weight * (low + f64::from(i) * h).cos().max(0.0).powf(2.0 * k - 2.0)
-        };
-        (0..=STEPS).map(f).sum::<f64>() * h / 3.0
-    };
-    let right = std::f64::consts::FRAC_PI_2;
-    integral(from.atan(), right) / integral(-right, right)
-}
-
-/// What a lobe of exponent p sends of the half plane beyond x, in a plane straight ahead at unit distance: along y the integral of
-/// cos^(p + 3) is (1 + x^2)^-(p + 2)/2 times a number.
-fn of_lobe(p: f64, x: f64) -> f64 {
-    beyond(x, 0.5 * (p + 2.0))
-}
-
 /// Exponent, distance of an edge, and what comes of it by the filter without correction and by the lobe: numbers of a quadrature in the plane.
 const TABLE: [(f32, f64, f64, f64); 4] = [
     (20.0, 0.05, 0.417194, 0.410493),
@@ -83,56 +58,6 @@ const TABLE: [(f32, f64, f64, f64); 4] = [
     (100.0, 0.05, 0.310863, 0.308207),
     (100.0, 0.1, 0.162318, 0.158652),
 ];
-
-/// A picture with its first pass.
-fn rendered(text: &str, settings: Settings) -> Rendered {
-    render(&scene_of(text), &settings, &Silent).expect("a picture")
-}
-
-/// A mirror that is looked at straight on from above, and above the eye, one metre from the mirror, a plane that shines from x = `edge` on; the
-/// picture shows `size` pixels of `pitch` metres of that plane in both directions.
-fn edge(render: &str, exponent: f32, (edge, pitch, size): (f64, f64, u32)) -> String {
-    let vfov = 2.0 * (0.5 * f64::from(size) * pitch / 1.5).atan().to_degrees();
-    format!(
-        r#"
-        [camera]
-        from = [0, 0, 0.5]
-        at = [0, 0, 0]
-        vfov_deg = {vfov}
-        [film]
-        width = {size}
-        height = {size}
-        filter = "box"
-        filter_radius = 1e-4
-        [render]
-        max_depth = 3
-        {render}
-        [materials]
-        mirror = {{ type = "glossy", exponent = {exponent}, reflectance = 1 }}
-        shine = {{ type = "emission", radiance = 1, two_sided = true }}
-        black = {{ type = "diffuse", reflectance = 0 }}
-        [[shapes]]
-        type = "rectangle"
-        edge_u = [20, 0, 0]
-        edge_v = [0, 20, 0]
-        material = "mirror"
-        [[shapes]]
-        type = "rectangle"
-        center = [{bright}, 0, 1]
-        edge_u = [20, 0, 0]
-        edge_v = [0, 20, 0]
-        material = "shine"
-        [[shapes]]
-        type = "rectangle"
-        center = [{dark}, 0, 1]
-        edge_u = [20, 0, 0]
-        edge_v = [0, 20, 0]
-        material = "black"
-        "#,
-        bright = edge + 20.0,
-        dark = edge - 20.0,
-    )
-}
 
 /// Pixels from the middle one to the edge of a row of the table, and how many of them, an odd number, hold the lobe.
 fn grid(p: f32, x0: f64) -> (f64, u32) {
@@ -200,7 +125,7 @@ fn coarse_pixels_are_off_by_half_a_pixel_at_most() {
         for offset in 0..10_u8 {
             let x0 = 0.33 * sigma + h * f64::from(offset) / 10.0;
             #[expect(clippy::cast_possible_truncation, reason = "positions")]
-            let light = |b: glam::Vec3| [f32::from(u8::from(b.x > x0 as f32)); 3];
+            let light = |b: Vec3| [f32::from(u8::from(b.x > x0 as f32)); 3];
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes")]
             let (scale, size) = ((1.5 / h) as f32, 2 * ((0.7 / h) as u32) + 1);
             let g = facing(([size; 2], scale), (0.5, 1.0), p, light);
@@ -291,7 +216,7 @@ fn numbers_that_are_none_stay_where_they_are() {
 
 #[test]
 fn widths_agree_to_rounding() {
-    let light = |b: glam::Vec3| [(3.0 * b.x).sin() + 1.0, f32::from(u8::from(b.y > 0.1)), 1.0];
+    let light = |b: Vec3| [(3.0 * b.x).sin() + 1.0, f32::from(u8::from(b.y > 0.1)), 1.0];
     let g = facing(([70, 50], 90.0), (0.7, 1.3), 120.0, light);
     for (name, speed) in ways() {
         let fuzzy =
@@ -313,7 +238,7 @@ fn widths_agree_to_rounding() {
 #[test]
 fn both_radii_are_the_same_where_all_is_flat() {
     // The rectangle is only as wide as the window, so that both let all of the lobe in, or neither.
-    let light = |b: glam::Vec3| [f32::from(u8::from(b.x > 0.05)); 3];
+    let light = |b: Vec3| [f32::from(u8::from(b.x > 0.05)); 3];
     let g = facing(([121, 121], 100.0), (1.0, 1.0), 200.0, light);
     let of = |radius| {
         let window = Window { x0: 40, y0: 40, x1: 80, y1: 80 };
@@ -423,61 +348,6 @@ fn without_fuzzy_mirrors_it_is_the_tree() {
     assert!(differ < 30, "{differ} numbers differ beyond edges");
 }
 
-#[test]
-fn a_reflection_meets_what_it_touches() {
-    // Where mirrored rays are short, what the filter makes of them is what they saw.
-    let text = r#"
-        [camera]
-        from = [0, 0.6, 3]
-        at = [0, 0.1, 0]
-        vfov_deg = 20
-        [film]
-        width = 120
-        height = 90
-        filter = "box"
-        [render]
-        spp = 1
-        max_depth = 3
-        glossy = "two-pass"
-        [materials]
-        floor = { type = "glossy", exponent = 300, reflectance = 1 }
-        box = { type = "diffuse", reflectance = { checker = [0.9, 0.1], repeat = [31, 31] } }
-        [[shapes]]
-        type = "rectangle"
-        edge_u = [4, 0, 0]
-        edge_v = [0, 0, -4]
-        material = "floor"
-        [[shapes]]
-        type = "rectangle"
-        center = [0, 0.3, 0]
-        edge_u = [0.4, 0, 0]
-        edge_v = [0, 0.3, 0]
-        material = "box"
-        [[lights]]
-        type = "point"
-        position = [1, 2, 2]
-        intensity = 20
-        [[lights]]
-        type = "environment"
-        radiance = 0.2
-    "#;
-    let first = rendered(text, Settings { first_pass: true, ..Settings::default() }).first_pass;
-    let fuzzy =
-        Fuzzy { radius: Radius::Differential, correction: Correction::SolidAngle, lost_mass: 0.01, ..WHOLE };
-    let mut near = 0;
-    for speed in [Speed::PLAIN, Speed::default()] {
-        let found = filtered(&first[0], &Fuzzy { speed, ..fuzzy });
-        for (texel, light) in first[0].texels.iter().zip(&found.reflected) {
-            let Some(mirror) = texel.mirror.filter(|mirror| mirror.length() < 0.004) else { continue };
-            near += 1;
-            for (a, b) in light.iter().zip(mirror.radiance) {
-                assert!((a - b).abs() < 1e-6, "{light:?} at {:?}", mirror.a);
-            }
-        }
-    }
-    assert!(near > 40, "only {near} pixels near the contact");
-}
-
 /// The mean over pixels of (a - b)^2 / (b^2 + 0.01).
 fn relative_error(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
     let terms = a.iter().flatten().zip(b.iter().flatten()).map(|(&a, &b)| {
@@ -491,8 +361,8 @@ fn relative_error(a: &[[f32; 3]], b: &[[f32; 3]]) -> f64 {
 fn being_quick_costs_little() {
     // A checkered plane under windows of 64 pixels.
     let fields = |x: f32| (x * 4.0).rem_euclid(2.0) < 1.0;
-    let light = |b: glam::Vec3| [if fields(b.x) == fields(b.y + 0.13) { 1.0 } else { 0.1 }, 0.5, b.x.abs()];
-    let lobe = specula::post::Lobe::new(300.0, 0.01, 1.5);
+    let light = |b: Vec3| [if fields(b.x) == fields(b.y + 0.13) { 1.0 } else { 0.1 }, 0.5, b.x.abs()];
+    let lobe = Lobe::new(300.0, 0.01, 1.5);
     let scale = 64.0 / (lobe.angle() * 0.5).tan();
     let g = facing(([200, 160], scale), (1.0, 1.0), 300.0, light);
     let fuzzy = Fuzzy { lost_mass: 0.01, correction: Correction::SolidAngle, ..WHOLE };
@@ -514,4 +384,143 @@ fn being_quick_costs_little() {
     }
     let sharp = g.texels.iter().map(|texel| texel.mirror.expect("a mirror").radiance).collect::<Vec<_>>();
     assert!(relative_error(&sharp, &plain.reflected) > 0.1, "nothing was blurred");
+}
+
+/// The middle pixel by the filter, in the first channel.
+fn middle(g: &GBuffer, fuzzy: &Fuzzy) -> f64 {
+    let (x, y) = (g.full[0] / 2, g.full[1] / 2);
+    let window = Window { x0: x, y0: y, x1: x + 1, y1: y + 1 };
+    f64::from(filter(g, window, fuzzy, (Level::best(), 0)).reflected[0][0])
+}
+
+#[test]
+fn faces_of_one_reflector_do_not_mix() {
+    // Two faces of a box, say: the same number, light of their own, and rays that end beside each other all the same. Exponent, and the sine of half the angle
+    // between the faces: 90 degrees of which the lobe has 48, and 30 of which it has 24.
+    for (p, half) in [(50.0, f32::sqrt(0.5)), (200.0, 0.26)] {
+        // The edge is within a texel of any smaller picture.
+        let light = |b: Vec3| [if b.x < 0.0 { 1.0 } else { 5.0 }; 3];
+        let flat = facing(([122, 60], 200.0), (1.0, 1.0), p, light);
+        let mut g = flat.clone();
+        for mirror in g.texels.iter_mut().filter_map(|texel| texel.mirror.as_mut()) {
+            let side = if mirror.radiance[0] < 2.0 { -half } else { half };
+            mirror.normal = Vec3::new(side, 0.0, (1.0 - side * side).sqrt());
+        }
+        for (name, speed) in ways() {
+            for correction in [Correction::None, Correction::SolidAngle] {
+                let fuzzy = Fuzzy { speed, correction, lost_mass: 0.01, ..WHOLE };
+                let mixed = filtered(&flat, &fuzzy).reflected;
+                let mixed = mixed.iter().filter(|light| (1.2..4.8).contains(&light[0])).count();
+                assert!(mixed > 300, "{name}: {mixed} pixels of a flat mirror show both sides");
+                for (light, texel) in filtered(&g, &fuzzy).reflected.iter().zip(&g.texels) {
+                    let own = texel.mirror.expect("a mirror").radiance[0];
+                    assert!((light[0] - own).abs() < 1e-5, "{p} {name} {correction:?}: {light:?}, not {own}");
+                }
+            }
+        }
+        // A little turn is none: what is curved is one face.
+        for mirror in g.texels.iter_mut().filter_map(|texel| texel.mirror.as_mut()) {
+            mirror.normal = Vec3::new(0.05 * mirror.normal.x, 0.0, 1.0).normalize();
+        }
+        for (name, speed) in ways() {
+            let fuzzy = Fuzzy { speed, lost_mass: 0.01, ..WHOLE };
+            let both = [&g, &flat].map(|g| filtered(g, &fuzzy).reflected);
+            assert_eq!(both[0], both[1], "{name}: weights do not depend on normals");
+        }
+    }
+}
+
+/// The mean of the light of pixels by cos^p, over those within the lobe whose offsets from the middle one are `inside`.
+fn by_hand(g: &GBuffer, lobe: &Lobe, inside: impl Fn(f32, f32) -> bool) -> f64 {
+    let [width, height] = g.full;
+    let of = |x: u32, y: u32| g.texel(x, y).and_then(|texel| texel.mirror).expect("a mirror");
+    let own = of(width / 2, height / 2);
+    let w = own.direction().expect("a way").as_dvec3();
+    let (mut sum, mut weights) = (0.0, 0.0);
+    for y in 0..height {
+        for x in 0..width {
+            let other = of(x, y);
+            let End::At(b) = other.end else { continue };
+            let cos = (b - own.a).as_dvec3().normalize().dot(w);
+            let (dx, dy) = (x as f32 - (width / 2) as f32, y as f32 - (height / 2) as f32);
+            if inside(dx, dy) && cos >= 1.0 - f64::from(lobe.t_max) {
+                let weight = cos.powf(f64::from(lobe.exponent));
+                sum += weight * f64::from(other.radiance[0]);
+                weights += weight;
+            }
+        }
+    }
+    sum / weights
+}
+
+#[test]
+fn outlines_of_windows_differ_where_they_cut_the_lobe_only() {
+    let p = 100.0;
+    // Light beyond a circle of 6.4 pixels about the middle, which is where windows end below.
+    let scale = 60.0;
+    let light = |b: Vec3| [f32::from(u8::from(b.truncate().length() > 2.0 * 6.4 / scale)); 3];
+    let g = facing(([101, 101], scale), (1.0, 1.0), p, light);
+    let of = |shape, max_radius| Fuzzy {
+        shape,
+        max_radius,
+        lost_mass: 1e-3,
+        radius: Radius::Differential,
+        ..WHOLE
+    };
+    let lobe = Lobe::new(p, 1e-3, 1.5);
+    let all = by_hand(&g, &lobe, |_, _| true);
+    for shape in [Shape::Round, Shape::Rectangle] {
+        let found = middle(&g, &of(shape, 1e4));
+        // A pixel on the rim of the lobe counts or not.
+        assert!((found - all).abs() < 5e-5, "{shape:?}: {found}, not {all}: the lobe decides");
+    }
+    let (disc, square) = (
+        by_hand(&g, &lobe, |x, y| x * x + y * y <= 6.4 * 6.4),
+        by_hand(&g, &lobe, |x, y| x.abs() <= 6.4 && y.abs() <= 6.4),
+    );
+    println!("all {all:.4}, disc {disc:.4}, square {square:.4}");
+    assert!(disc < 1e-9 && square > 0.02 && all > 1.5 * square, "{disc} {square} {all}");
+    for (shape, wanted) in [(Shape::Round, disc), (Shape::Rectangle, square)] {
+        let found = middle(&g, &of(shape, 6.4));
+        assert!((found - wanted).abs() < 1e-5, "{shape:?}: {found}, not {wanted}");
+    }
+}
+
+#[test]
+fn rays_that_end_nowhere_count_by_direction() {
+    // A sky that is bright beyond a plane through the mirror, which stands off the mirrored ray by these tangents.
+    for p in [40.0_f32, 100.0] {
+        for offset in [-0.1, 0.0, 0.05, 0.15] {
+            // Sixty pixels for the width of the lobe or about, and the edge between two of them.
+            let sigma = 1.0 / (f64::from(p) + 1.0).sqrt();
+            let pitch = if offset == 0.0 {
+                sigma / 60.0
+            } else {
+                f64::abs(offset) / ((60.0 * f64::abs(offset) / sigma).floor() + 0.5)
+            };
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes")]
+            let (scale, half) = (pitch.recip() as f32, (5.2 * sigma / pitch) as u32);
+            let size = 2 * half + 1;
+            let mut g = facing(([size, size], scale), (1.0, 1.0), p, |_| [0.0; 3]);
+            for mirror in g.texels.iter_mut().filter_map(|texel| texel.mirror.as_mut()) {
+                // By what the pixel would see of the sky in the mirror; on the edge itself one half.
+                let d = (mirror.a.with_z(1.0)).normalize();
+                mirror.end = End::Away(d);
+                let beyond = f64::from(d.x / d.z) - offset;
+                mirror.radiance =
+                    [if beyond.abs() < 1e-6 { 0.5 } else { f32::from(u8::from(beyond > 0.0)) }; 3];
+                mirror.hit = 0;
+            }
+            for (correction, exponent) in
+                [(Correction::SolidAngle, p), (Correction::Cosine, p), (Correction::None, p - 3.0)]
+            {
+                let found =
+                    middle(&g, &Fuzzy { correction, radius: Radius::Differential, lost_mass: 1e-4, ..WHOLE });
+                let wanted = of_lobe(f64::from(exponent), offset);
+                println!("p {p} edge {offset} {correction:?}: {found:.5}, wanted {wanted:.5}");
+                // Of the lobe 1e-4 is given away.
+                assert!((found - wanted).abs() < 2e-4, "{p} {offset} {correction:?}: {found}, not {wanted}");
+            }
+        }
+    }
 }

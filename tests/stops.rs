@@ -22,7 +22,7 @@ fn rendered(text: &str, limits: Limits) -> Rendered {
 }
 
 fn seconds(seconds: f64) -> Limits {
-    Limits { time: Some(Duration::from_secs_f64(seconds)), error: None }
+    Limits { time: Some(Duration::from_secs_f64(seconds)), ..Limits::default() }
 }
 
 const WAYS: [(&str, &str); 5] = [

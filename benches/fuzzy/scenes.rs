@@ -3,12 +3,14 @@
 use crate::loglog::{Curve, Panel, svg};
 use crate::masks::{Class, classes};
 use crate::pictures::file_of;
+use crate::versus::compare;
 use specula::error::Result;
-use specula::film::Layout;
+use specula::film::{Layout, Precision};
 use specula::image::{Image, exr};
 use specula::render::{Rendered, Settings, Silent, render};
-use specula::scene::{self, Scene};
+use specula::scene::{self, Description, Scene};
 use std::error::Error;
+use std::hash::{DefaultHasher, Hash as _, Hasher as _};
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -18,76 +20,84 @@ const SIZE: [u32; 2] = [192, 120];
 /// Rays of a pixel of the reference.
 pub(crate) const REFERENCE: u32 = 4096;
 
-const SCENES: [&str; 5] = ["fuzzy_plane", "fuzzy_curved", "fuzzy_contact", "fuzzy_silhouettes", "fuzzy_100"];
+/// Pictures that take less, in CPU seconds, are made several times: the median counts.
+const SHORT: f64 = 0.5;
+
+const SCENES: [&str; 7] =
+    ["fuzzy_plane", "fuzzy_curved", "fuzzy_contact", "fuzzy_silhouettes", "fuzzy_0", "fuzzy_50", "fuzzy_100"];
 
 /// Keys beside the number of samples, and the numbers.
 type Contender = (&'static str, &'static [&'static str], &'static [u32]);
 
-const CONTENDERS: [Contender; 4] = [
-    ("two-pass", &["render.glossy=two-pass"], &[1, 4, 16]),
-    ("lobe", &["render.glossy=lobe"], &[1, 4, 16, 64, 256]),
-    ("jitter", &["render.glossy=jitter"], &[1, 4, 16, 64, 256]),
-    (
-        "as published",
-        &[
-            "render.glossy=two-pass",
-            "render.fuzzy.radius=cone",
-            "render.fuzzy.correction=none",
-            "render.fuzzy.pyramid=off",
-            "render.fuzzy.max_angle_deg=10",
-        ],
-        &[4],
-    ),
-];
+/// The first three are those of the comparison.
+fn contenders(scene: &str) -> [Contender; 5] {
+    // On the plane rays come as far down as the filter.
+    let many: &[u32] = if scene == "fuzzy_plane" { &[1, 4, 16, 64, 256, 1024] } else { &[1, 4, 16, 64, 256] };
+    [
+        ("two-pass", &["render.glossy=two-pass"], &[1, 4, 16]),
+        ("lobe", &["render.glossy=lobe"], many),
+        ("jitter", &["render.glossy=jitter"], &[1, 4, 16, 64, 256]),
+        (
+            "two-pass, radius by distances",
+            &["render.glossy=two-pass", "render.fuzzy.radius=cone"],
+            &[1, 4, 16],
+        ),
+        (
+            "as published",
+            &[
+                "render.glossy=two-pass",
+                "render.fuzzy.radius=cone",
+                "render.fuzzy.correction=none",
+                "render.fuzzy.pyramid=off",
+                "render.fuzzy.max_angle_deg=10",
+            ],
+            &[4],
+        ),
+    ]
+}
 
 /// A picture of a contender.
-struct Shot {
-    spp: u32,
-    seconds: f64,
-    /// RMSE over the mask and over each of its classes.
-    errors: [f64; 4],
+pub(crate) struct Shot {
+    pub(crate) spp: u32,
+    pub(crate) seconds: f64,
+    /// RMSE over the mask and over each of its classes, without the noise of the reference; nothing of a class without pixels.
+    pub(crate) errors: [Option<f64>; 4],
 }
 
 /// Prints the tables and draws the plot, against references of so many rays; without a number it only shows that it runs.
 pub(crate) fn tables(rays: Option<u32>, part: &str) -> std::result::Result<(), Box<dyn Error>> {
     let is_bench = rays.is_some();
-    let mut panels = Vec::new();
+    let (mut panels, mut lines) = (Vec::new(), Vec::new());
     for name in SCENES.into_iter().filter(|name| name.contains(part)) {
-        let reference = reference(name, rays.unwrap_or(4))?;
-        let first = rendered(name, (&["render.glossy=two-pass"], 4), 0, true)?.first_pass;
+        let reference = Reference::of(name, rays.unwrap_or(4))?;
+        let first = rendered(name, (&["render.glossy=two-pass"], 4), true)?.first_pass;
         let classes = classes(&first);
         let count = |class| classes.iter().filter(|other| **other == class).count();
         println!(
-            "\n{name}, {} x {}, pixels: {}",
-            SIZE[0],
-            SIZE[1],
-            Class::OF_MASK.map(|c| format!("{} {}", count(c), c.name())).join(", ")
+            "\n**`{name}`** (pixels: {}; noise of the reference, RMSE: {})\n",
+            Class::OF_MASK.map(|c| format!("{} {}", count(c), c.name())).join(", "),
+            reference.noise(&classes).map(|noise| number(noise.map(f64::sqrt))).join(", "),
         );
         println!(
-            "way | samples | CPU s | RMSE in the mask | inside | silhouettes | contact\n---|---|---|---|---|---|---"
+            "| way | samples | CPU s | mask | inside | silhouettes | contact |\n|---|---|---|---|---|---|---|"
         );
         let mut found = Vec::new();
-        for (way, keys, numbers) in CONTENDERS {
+        for (way, keys, numbers) in contenders(name) {
             let mut shots = Vec::new();
             for &spp in if is_bench { numbers } else { &numbers[..1] } {
-                let picture = rendered(name, (keys, spp), 0, false)?;
-                let seconds = picture.statistics.render.cpu.as_secs_f64();
-                let errors = errors(&picture.film.image(), &reference, &classes);
-                let [all, inside, silhouettes, contact] = errors.map(|e| format!("{e:.5}"));
-                println!("{way} | {spp} | {seconds:.3} | {all} | {inside} | {silhouettes} | {contact}");
+                let (picture, seconds) = timed(name, (keys, spp), is_bench)?;
+                let errors = reference.errors(&picture, &classes);
+                println!("| {way} | {spp} | {seconds:.3} | {} |", errors.map(number).join(" | "));
                 shots.push(Shot { spp, seconds, errors });
             }
             found.push((way, shots));
         }
-        compare(&found);
-        let curve = |(way, shots): &(&str, Vec<Shot>)| Curve {
-            label: (*way).to_owned(),
-            points: shots.iter().map(|shot| [shot.seconds, shot.errors[0]]).collect(),
-        };
-        let curves = found.iter().take(3).map(curve).collect();
-        panels.push(Panel { title: name.to_owned(), axes: ["CPU seconds", "RMSE in the mask"], curves });
+        lines.extend(compare(name, &found));
+        panels.extend(drawn(name, &found));
     }
-    if is_bench && part.is_empty() {
+    println!("{}", crate::versus::HEAD);
+    lines.iter().for_each(|line| println!("{line}"));
+    if is_bench && SCENES.iter().all(|name| name.contains(part)) {
         std::fs::write(
             Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/record/fuzzy.svg"),
             svg(&panels)?,
@@ -96,68 +106,95 @@ pub(crate) fn tables(rays: Option<u32>, part: &str) -> std::result::Result<(), B
     Ok(())
 }
 
-/// At the time of the filter what the others have for errors, and how long they take to its errors.
-fn compare(found: &[(&str, Vec<Shot>)]) {
-    let (_, filtered) = &found[0];
-    for mine in filtered.iter().filter(|shot| [1, 4, 16].contains(&shot.spp)) {
-        for (way, shots) in &found[1..3] {
-            for (class, name) in [(0, "the mask"), (1, "inside")] {
-                let points: Vec<_> =
-                    shots.iter().map(|shot| [shot.seconds.ln(), shot.errors[class].max(1e-9).ln()]).collect();
-                if points.len() < 2 || mine.errors[class] <= 0.0 {
-                    continue;
-                }
-                let error = line(&points, mine.seconds.ln()).exp();
-                let turned: Vec<_> = points.iter().map(|&[x, y]| [y, x]).collect();
-                let seconds = line(&turned, mine.errors[class].ln()).exp();
-                let ratio = seconds / mine.seconds;
-                let times = if ratio < 1e4 {
-                    format!("takes {ratio:.1} times as long to its error")
-                } else {
-                    "never has its error".to_owned()
-                };
-                println!(
-                    "{} samples of two-pass, {name}: {way} has {:.2} of its error in its time, and {times}{}",
-                    mine.spp,
-                    error / mine.errors[class],
-                    if turned.last().is_some_and(|last| mine.errors[class].ln() < last[0]) {
-                        " (by the last slope)"
-                    } else {
-                        ""
-                    },
-                );
-            }
-        }
+/// Traces the references, and nothing else.
+pub(crate) fn references(rays: u32, part: &str) -> Result<()> {
+    SCENES
+        .into_iter()
+        .filter(|name| name.contains(part))
+        .try_for_each(|name| Reference::of(name, rays).map(|_| ()))
+}
+
+fn number(x: Option<f64>) -> String {
+    x.map_or_else(String::new, |x| format!("{x:.5}"))
+}
+
+/// Error over time in the mask, and inside where there is an inside.
+fn drawn(name: &str, found: &[(&str, Vec<Shot>)]) -> Vec<Panel> {
+    let panel = |(class, place): (usize, &str)| {
+        let curve = |(way, shots): &(&str, Vec<Shot>)| {
+            let point = |shot: &Shot| Some([shot.seconds, shot.errors[class].filter(|error| *error > 0.0)?]);
+            Curve { label: (*way).to_owned(), points: shots.iter().filter_map(point).collect() }
+        };
+        let curves: Vec<Curve> =
+            found.iter().take(3).map(curve).filter(|curve| curve.points.len() > 1).collect();
+        let title = format!("{name}, {place}");
+        (!curves.is_empty()).then_some(Panel { title, axes: ["CPU seconds", "RMSE"], curves })
+    };
+    [(0, "mask"), (1, "inside")].into_iter().filter_map(panel).collect()
+}
+
+/// A picture by rays within the lobe, as the mean of two that know nothing of each other, so that their noise is known.
+struct Reference {
+    mean: Image,
+    halves: [Image; 2],
+}
+
+impl Reference {
+    fn of(name: &str, rays: u32) -> Result<Self> {
+        let halves = [half(name, rays / 2, 77)?, half(name, rays / 2, 78)?];
+        let both = halves[0].pixels().iter().zip(halves[1].pixels());
+        let pixels = both.map(|(&a, &b)| (a + b).scale(0.5)).collect();
+        let mean = Image::from_pixels(SIZE[0], SIZE[1], pixels).expect("as many pixels");
+        Ok(Self { mean, halves })
+    }
+
+    /// The variance of the mean over the mask and over each of its classes: a quarter of the squared difference of both.
+    fn noise(&self, classes: &[Class]) -> [Option<f64>; 4] {
+        by_class([&self.halves[0], &self.halves[1]], classes).map(|square| Some(square? * 0.25))
+    }
+
+    /// RMSE by class.
+    fn errors(&self, test: &Image, classes: &[Class]) -> [Option<f64>; 4] {
+        let (squares, noise) = (by_class([test, &self.mean], classes), self.noise(classes));
+        [0, 1, 2, 3].map(|i| Some((squares[i]? - noise[i]?).max(0.0).sqrt()))
     }
 }
 
-/// The height at x of a line through points, straight between neighbours and beyond the last two at either end.
-fn line(points: &[[f64; 2]], x: f64) -> f64 {
-    let rising = points[0][0] < points[points.len() - 1][0];
-    let after = |point: &[f64; 2]| if rising { point[0] >= x } else { point[0] <= x };
-    let i = points.iter().position(after).unwrap_or(points.len()).clamp(1, points.len() - 1);
-    let ([x0, y0], [x1, y1]) = (points[i - 1], points[i]);
-    y0 + (y1 - y0) * (x - x0) / (x1 - x0)
-}
-
-fn reference(name: &str, spp: u32) -> Result<Image> {
+/// One half of a reference, kept in a file that is named after all that it depends on.
+fn half(name: &str, spp: u32, seed: u32) -> Result<Image> {
+    let description = described(name, (&["render.glossy=lobe", &format!("render.seed={seed}")], spp))?;
+    let file = file_of(name);
+    let identity = scene::identity(&description, file.parent().unwrap_or(Path::new("")), &[])?;
+    let mut hasher = DefaultHasher::new();
+    identity.to_string().hash(&mut hasher);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/fuzzy");
-    let file = folder.join(format!("{name}_{}_{spp}.exr", SIZE[0]));
+    let file = folder.join(format!("{name}_{spp}_{:016x}.exr", hasher.finish()));
     if file.exists() {
         return Ok(specula::image::read(&file)?.image);
     }
-    let scene = scene_of(name, (&["render.glossy=lobe", "render.seed=77"], spp))?;
-    let film = render(&scene, &Settings::default(), &Silent)?.film;
+    let film = render(&scene::build(&description)?.scene, &Settings::default(), &Silent)?.film;
     if std::fs::create_dir_all(&folder).is_ok() {
-        exr::write(&file, film.picture(specula::film::Precision::Float, Vec::new()))?;
+        exr::write(&file, film.picture(Precision::Float, Vec::new()))?;
     }
     Ok(film.image())
 }
 
+/// A picture, and CPU seconds for it.
+fn timed(name: &str, what: (&[&str], u32), is_bench: bool) -> Result<(Image, f64)> {
+    let mut times = Vec::new();
+    loop {
+        let picture = rendered(name, what, false)?;
+        times.push(picture.statistics.render.cpu.as_secs_f64());
+        if !is_bench || times.len() >= 5 || times.iter().sum::<f64>() > SHORT {
+            times.sort_by(f64::total_cmp);
+            return Ok((picture.film.image(), times[times.len() / 2]));
+        }
+    }
+}
+
 /// A picture by one thread, one ray at a time: all contenders trace alike.
-fn rendered(name: &str, what: (&[&str], u32), seed: u64, first_pass: bool) -> Result<Rendered> {
-    let mut scene = scene_of(name, what)?;
-    scene.render.seed = seed;
+fn rendered(name: &str, what: (&[&str], u32), first_pass: bool) -> Result<Rendered> {
+    let mut scene: Scene = scene::build(&described(name, what)?)?.scene;
     scene.render.query = Some(scene::description::Query::Single);
     let layout = Layout::default();
     render(
@@ -167,7 +204,7 @@ fn rendered(name: &str, what: (&[&str], u32), seed: u64, first_pass: bool) -> Re
     )
 }
 
-fn scene_of(name: &str, (keys, spp): (&[&str], u32)) -> Result<Scene> {
+fn described(name: &str, (keys, spp): (&[&str], u32)) -> Result<Description> {
     let [width, height] = SIZE;
     let own = [
         format!("film.width={width}"),
@@ -176,14 +213,14 @@ fn scene_of(name: &str, (keys, spp): (&[&str], u32)) -> Result<Scene> {
         "film.filter=box".to_owned(),
     ];
     let keys: Vec<_> = own.into_iter().chain(keys.iter().map(|key| (*key).to_owned())).collect();
-    Ok(scene::build(&scene::load(&file_of(name), &keys)?.description)?.scene)
+    Ok(scene::load(&file_of(name), &keys)?.description)
 }
 
-/// RMSE over the mask, inside, at silhouettes and at contacts.
-fn errors(test: &Image, reference: &Image, classes: &[Class]) -> [f64; 4] {
+/// The mean of squared differences over the mask, inside, at silhouettes and at contacts.
+fn by_class([a, b]: [&Image; 2], classes: &[Class]) -> [Option<f64>; 4] {
     let of = |wanted: &dyn Fn(Class) -> bool| {
         let (mut sum, mut count) = (0.0, 0.0);
-        for ((a, b), class) in test.pixels().iter().zip(reference.pixels()).zip(classes) {
+        for ((a, b), class) in a.pixels().iter().zip(b.pixels()).zip(classes) {
             if wanted(*class) {
                 for (a, b) in [(a.r, b.r), (a.g, b.g), (a.b, b.b)] {
                     sum += f64::from(a - b).powi(2);
@@ -191,7 +228,7 @@ fn errors(test: &Image, reference: &Image, classes: &[Class]) -> [f64; 4] {
                 }
             }
         }
-        f64::sqrt(sum / f64::max(count, 1.0))
+        (count > 0.0).then_some(sum / count)
     };
     let [inside, silhouettes, contact] = Class::OF_MASK.map(|class| of(&|other| other == class));
     [of(&|class| class != Class::Outside), inside, silhouettes, contact]

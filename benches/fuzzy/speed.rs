@@ -9,6 +9,9 @@ use specula::render::Phase;
 /// Exponent of the lobe: 10 degrees hold all but a hundredth.
 const EXPONENT: f32 = 300.0;
 
+/// Radii of windows in pixels; at the first there is nothing but pixels by themselves.
+const RADII: [f32; 5] = [0.4, 4.0, 16.0, 64.0, 160.0];
+
 /// Passes, of which the median counts.
 const PASSES: usize = 3;
 
@@ -25,6 +28,7 @@ fn contestants() -> Vec<Contestant> {
     let few = |area: f64| area.min(400.0);
     vec![
         ("plain", plain, all),
+        ("skip off", Speed { skip: false, ..plain }, all),
         ("by angle", Speed { rejection: Rejection::Angle, ..plain }, all),
         ("table", Speed { table: true, ..plain }, all),
         ("200 taps", Speed { taps: Some(200), ..plain }, |area| area.min(2000.0)),
@@ -45,7 +49,7 @@ pub(crate) fn table(is_bench: bool, only: &str) {
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
     println!("radius px | way | CPU s per megapixel | added relMSE\n---|---|---|---");
     one.install(|| {
-        for radius in if is_bench { &[4.0, 16.0, 64.0, 160.0][..] } else { &[4.0] } {
+        for radius in if is_bench { &RADII[..] } else { &RADII[1..2] } {
             if !only.is_empty() && only.parse() != Ok(*radius) {
                 continue;
             }
@@ -55,6 +59,53 @@ pub(crate) fn table(is_bench: bool, only: &str) {
             }
         }
     });
+    if is_bench && only.is_empty() {
+        beside(size);
+    }
+}
+
+/// What lanes gain in CPU time, and threads by the clock.
+fn beside(size: u32) {
+    println!(
+        "\nradius px | way | lanes: CPU s of one lane over {} | threads: wall s of one over two",
+        Level::best().name()
+    );
+    println!("---|---|---|---");
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+    let [one, two] = [pool(1), pool(2)];
+    for radius in [4.0, 16.0, 64.0] {
+        let g = picture(size, radius);
+        for (name, speed, looked) in
+            contestants().into_iter().filter(|(name, ..)| ["plain", "pyramid 8, half"].contains(name))
+        {
+            let area = looked(std::f64::consts::PI * f64::from(radius).powi(2));
+            let window = rows(&g, 10.0 * area);
+            let time = |level: Level, pool: &rayon::ThreadPool| {
+                let fuzzy = Fuzzy { speed, ..Fuzzy::default() };
+                pool.install(|| Phase::of(|| filter(&g, window, &fuzzy, (level, 0))).1)
+            };
+            let mut ratios = [Vec::new(), Vec::new()];
+            for _ in 0..PASSES {
+                let (wide, narrow) = (time(Level::best(), &one), time(Level::available()[0], &one));
+                ratios[0].push(narrow.cpu.as_secs_f64() / wide.cpu.as_secs_f64());
+                ratios[1].push(wide.wall.as_secs_f64() / time(Level::best(), &two).wall.as_secs_f64());
+            }
+            let [lanes, threads] = ratios.map(|mut ratios| {
+                ratios.sort_by(f64::total_cmp);
+                ratios[PASSES / 2]
+            });
+            println!("{radius} | {name} | {lanes:.2} | {threads:.2}");
+        }
+    }
+}
+
+/// As many rows of the middle as take no more than a while, if that many pixels are looked at for each.
+fn rows(g: &GBuffer, looked: f64) -> Window {
+    let part = (BUDGET / (g.window.area() as f64 * looked)).min(1.0);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of a picture")]
+    let rows = (part * f64::from(g.window.height())).ceil() as u32;
+    let middle = g.window.height() / 2;
+    Window { y0: middle - rows / 2, y1: middle - rows / 2 + rows, ..g.window }
 }
 
 /// A checkered plane and a slope under windows of that radius.
@@ -70,13 +121,6 @@ fn measured(g: &GBuffer, radius: f32) -> Vec<(&'static str, f64, f64)> {
     let contestants = contestants();
     let pixels = g.window.area() as f64;
     let area = std::f64::consts::PI * f64::from(radius).powi(2);
-    let rows = |looked: f64| {
-        let part = (BUDGET / (pixels * looked)).min(1.0);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "rows of a picture")]
-        let rows = (part * f64::from(g.window.height())).ceil() as u32;
-        let middle = g.window.height() / 2;
-        Window { y0: middle - rows / 2, y1: middle - rows / 2 + rows, ..g.window }
-    };
     let of = |speed: Speed, window: Window| -> (Filtered, f64) {
         let fuzzy = Fuzzy { speed, ..Fuzzy::default() };
         let (found, time) = Phase::of(|| filter(g, window, &fuzzy, (Level::best(), 0)));
@@ -84,10 +128,10 @@ fn measured(g: &GBuffer, radius: f32) -> Vec<(&'static str, f64, f64)> {
     };
     let mut times = vec![Vec::new(); contestants.len()];
     let mut errors = vec![0.0; contestants.len()];
-    let (plain, _) = of(Speed::PLAIN, rows(area));
+    let (plain, _) = of(Speed::PLAIN, rows(g, area));
     for _ in 0..PASSES {
         for (i, &(_, speed, looked)) in contestants.iter().enumerate() {
-            let window = rows(looked(area));
+            let window = rows(g, looked(area));
             // What is done for the whole picture, whatever part is asked for.
             let row = Window { y1: window.y0 + 1, ..window };
             let part = pixels / window.area() as f64;

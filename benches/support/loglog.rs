@@ -39,14 +39,19 @@ const COLOURS: [RGBColor; 3] = [RGBColor(0, 114, 178), RGBColor(213, 94, 0), RGB
 
 const FONT: (&str, u32) = ("sans-serif", 13);
 
+/// Panels side by side at most.
+const COLUMNS: usize = 4;
+
 /// All panels in one picture.
 pub(crate) fn svg(panels: &[Panel]) -> Result<String, Box<dyn Error>> {
     let mut svg = String::new();
     {
-        let width = 400 * u32::try_from(panels.len())?;
-        let root = SVGBackend::with_string(&mut svg, (width, 380)).into_drawing_area();
+        let columns = panels.len().clamp(1, COLUMNS);
+        let rows = panels.len().div_ceil(columns);
+        let size = (400 * u32::try_from(columns)?, 380 * u32::try_from(rows)?);
+        let root = SVGBackend::with_string(&mut svg, size).into_drawing_area();
         root.fill(&WHITE)?;
-        for (area, panel) in root.split_evenly((1, panels.len())).iter().zip(panels) {
+        for (area, panel) in root.split_evenly((rows, columns)).iter().zip(panels) {
             draw(area, panel)?;
         }
         root.present()?;
@@ -87,9 +92,12 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, panel: &Panel) -> Result<(), 
             .legend(move |(x, y)| PathElement::new(vec![(x, y), (x + 14, y)], colour.stroke_width(2)));
         chart.draw_series(points().map(|at| Circle::new(at, 3, colour.filled())))?;
     }
+    // Where curves are not: they all rise, or they all fall.
+    let falls = panel.curves.iter().filter(|curve| curve.slope() < 0.0).count() * 2 > panel.curves.len();
+    let position = if falls { SeriesLabelPosition::UpperRight } else { SeriesLabelPosition::UpperLeft };
     chart
         .configure_series_labels()
-        .position(SeriesLabelPosition::UpperLeft)
+        .position(position)
         .background_style(WHITE.mix(0.8))
         .label_font(FONT)
         .draw()?;

@@ -74,6 +74,12 @@ impl Bench {
         Self { name, record: has("--record"), filter, passes, rows: Vec::new() }
     }
 
+    /// The same with another number of passes that count.
+    #[allow(dead_code, reason = "only benches of many contestants")]
+    pub(crate) fn with_passes(self, passes: usize) -> Self {
+        Self { passes: self.passes.min(passes), ..self }
+    }
+
     /// Whether a race is wanted: asked before costly preparations.
     pub(crate) fn wants(&self, race: &str) -> bool {
         self.filter.as_ref().is_none_or(|word| race.contains(word))

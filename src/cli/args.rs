@@ -16,9 +16,12 @@ use crate::bench::{self, Class};
 use crate::film::Aov;
 use crate::measure::Metric;
 use crate::scene::description::{
-    Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyWeighting, FuzzyWindow, Integrator,
-    LightChoice, Query, Sampler, View,
+    Backend, Fresnel, FuzzyBy, FuzzyCorrection, FuzzyRadius, FuzzyRejection, FuzzyWeighting, FuzzyWindow,
+    Integrator, LightChoice, Query, Sampler, View,
 };
+use crate::scene::needs::capability::{Capabilities, Capability};
+use crate::tradeoff::knobs::Knob;
+use crate::tradeoff::presets::Preset;
 
 pub use batch::{BatchArgs, SchemaArgs, SchemaOf};
 
@@ -50,6 +53,8 @@ pub enum Command {
     Fuzzy(Box<FuzzyArgs>),
     /// Compare backends: the same rays of scenes through each, in every kind of query
     Bench(Box<BenchArgs>),
+    /// Measure what accuracy costs: settings of a scene beside each other, error against time
+    Tradeoff(Box<TradeoffArgs>),
     /// Print the JSON Schema of the scene file, or of the batch file
     Schema(SchemaArgs),
     /// Print a completion script for a shell
@@ -91,6 +96,24 @@ pub struct RenderArgs {
     /// of the scene file) at most.
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     pub target_error: Option<String>,
+
+    /// Settings that reach an error soonest: a relMSE of 0.03, 0.01, 0.001 or 0.0001
+    ///
+    /// By what was measured over the scenes that ship, and a first look at some pixels of this one, which finds how many samples it takes. What is set
+    /// by other flags stays. The log says which flags do the same.
+    #[arg(long, value_name = "NAME", value_parser = Words::of(&Preset::ALL, Preset::word))]
+    pub preset: Option<String>,
+
+    /// Make the best of this time, such as 30s, 2m or 1.5h: choose settings, then take samples until it is over
+    ///
+    /// By the clock, reading the scene included, writing the picture not. Settings are those of --tradeoff, or of the presets. What is set by other
+    /// flags stays. The log tells the error to be expected.
+    #[arg(long, value_name = "TIME", allow_negative_numbers = true)]
+    pub budget: Option<String>,
+
+    /// With --budget: choose by the runs in FILE, which `specula tradeoff --keep FILE` wrote of the same scene on a machine like this
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub tradeoff: Option<PathBuf>,
 
     /// What to compute
     #[arg(long, value_name = "NAME", value_parser = Words::of(Integrator::ALL, Integrator::word))]
@@ -158,6 +181,9 @@ pub struct RenderArgs {
 
     /// Further outputs of the EXR file; `cryptomatte` stands for both of its kinds, and `gbuffer`, with `--glossy two-pass`, for what
     /// `specula fuzzy` reads
+    ///
+    /// `direct` is what came by two edges at most, `indirect` the rest of the picture. A filtered reflection (`--glossy two-pass`) is all indirect, also where
+    /// the mirrored ray ends on a light, which by rays within the lobe is direct.
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
     pub aov: Vec<String>,
 
@@ -211,6 +237,13 @@ pub struct RenderArgs {
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub stats: Option<PathBuf>,
 
+    /// Switch on what the scene does not need, and keep what has no effect: the same picture, slower, for comparing
+    ///
+    /// With names, only these: `plan` lists them. `pruning` stands for keeping what has no effect.
+    #[arg(long, value_name = "NAME", value_delimiter = ',', num_args = 0.., require_equals = true,
+        value_parser = Words(specialised()))]
+    pub no_specialise: Option<Vec<String>>,
+
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
@@ -230,6 +263,19 @@ pub struct PlanArgs {
     /// What finds hits
     #[arg(long, value_name = "NAME", value_parser = Words::of(Backend::ALL, Backend::word))]
     pub backend: Option<String>,
+
+    /// Further outputs of the EXR file, which ask for more
+    #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = Words(further_outputs()))]
+    pub aov: Vec<String>,
+
+    /// Plan for `render` with this flag
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    pub target_error: Option<String>,
+
+    /// Plan for `render` with this flag
+    #[arg(long, value_name = "NAME", value_delimiter = ',', num_args = 0.., require_equals = true,
+        value_parser = Words(specialised()))]
+    pub no_specialise: Option<Vec<String>>,
 
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
@@ -380,6 +426,14 @@ pub struct FuzzyArgs {
     #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyCorrection::ALL, FuzzyCorrection::word))]
     pub correction: Option<String>,
 
+    /// Leave pixels whose window is below half a pixel as they are at once: true or false
+    #[arg(long, value_name = "BOOL")]
+    pub skip: Option<String>,
+
+    /// How what lies outside of the lobe is told
+    #[arg(long, value_name = "NAME", value_parser = Words::of(FuzzyRejection::ALL, FuzzyRejection::word))]
+    pub rejection: Option<String>,
+
     /// Look weights up in a table: true or false
     #[arg(long, value_name = "BOOL")]
     pub table: Option<String>,
@@ -472,6 +526,86 @@ pub struct BenchArgs {
     pub log: LogArgs,
 }
 
+/// What to sweep, and how.
+#[derive(Clone, Debug, clap::Args)]
+pub struct TradeoffArgs {
+    /// The scene file (TOML)
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub scene: PathBuf,
+
+    /// Turn this knob, through its usual values or these. May be given several times
+    ///
+    /// Without it all knobs are turned that do something in the scene: what is not turned is told, and why.
+    #[arg(long, value_name = "NAME[=V1,V2,..]", value_parser = Words::of(Knob::ALL, |knob| knob.name))]
+    pub knob: Vec<String>,
+
+    /// How points are chosen [default: one-at-a-time]
+    ///
+    /// one-at-a-time: each knob by itself, at all numbers of samples if spp is turned. grid: every combination. random:N: so many of them by chance,
+    /// by the scene's seed.
+    #[arg(long, value_name = "one-at-a-time|grid|random:N")]
+    pub design: Option<String>,
+
+    /// How often each point is rendered, with another seed each time, from 2 [default: 4]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub runs: Option<String>,
+
+    /// Compare with the picture in FILE (.exr or .hdr)
+    ///
+    /// Its noise is taken out of errors if it has the channels of `specula render --aov variance`.
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub reference: Option<PathBuf>,
+
+    /// Samples per pixel of the reference that is rendered, with the most accurate value of each knob that is turned [default: 16 times
+    /// the most that points have, and at least 256]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
+    pub reference_spp: Option<String>,
+
+    /// Columns of the pictures; without size and reference those of the scene, made smaller to 320 pixels at most
+    #[arg(long, value_name = "W", allow_negative_numbers = true)]
+    pub width: Option<String>,
+
+    /// Rows of the pictures
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub height: Option<String>,
+
+    /// Tell what to take for this relMSE. May be given several times [default: 1e-2, 1e-3 and 1e-4]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_delimiter = ',')]
+    pub target: Vec<String>,
+
+    /// Print one JSON document instead of a table
+    #[arg(long)]
+    pub json: bool,
+
+    /// Write a line for each point to FILE, for spreadsheets
+    #[arg(long, value_name = "FILE.csv", value_hint = ValueHint::FilePath)]
+    pub csv: Option<PathBuf>,
+
+    /// Write a page with plots, pictures and all settings to FILE
+    #[arg(long, value_name = "FILE.html", value_hint = ValueHint::FilePath)]
+    pub report: Option<PathBuf>,
+
+    /// Keep each run in FILE as soon as it is done, for --resume; and the reference beside it
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath, conflicts_with = "resume")]
+    pub keep: Option<PathBuf>,
+
+    /// Go on from the runs in FILE, if it is there, and add to it: only what is missing is rendered
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub resume: Option<PathBuf>,
+
+    /// Threads to use; as many as there are processors if not given
+    #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
+    pub threads: Option<String>,
+
+    /// Set any value of the scene file by its dotted path, such as render.seed=4, for all points. May be given several times
+    #[arg(short = 'D', value_name = "KEY=VALUE")]
+    pub overrides: Vec<String>,
+
+    /// What is told on standard error.
+    #[command(flatten)]
+    pub log: LogArgs,
+}
+
 /// What is told on standard error, and how.
 #[derive(Clone, Debug, clap::Args)]
 pub struct LogArgs {
@@ -538,6 +672,14 @@ pub(super) const FIRST_PASS: &str = "gbuffer";
 /// What `--aov` knows.
 pub(super) fn further_outputs() -> Vec<&'static str> {
     Aov::ALL.map(Aov::name).into_iter().chain([CRYPTOMATTE, FIRST_PASS]).collect()
+}
+
+/// Keeping what has no effect, beside capabilities that can be switched on.
+pub(super) const PRUNING: &str = "pruning";
+
+/// What can be switched on though a scene does not need it.
+pub(super) fn specialised() -> Vec<&'static str> {
+    Capabilities::forceable().iter().map(Capability::word).chain([PRUNING]).collect()
 }
 
 /// Any string; the words that make sense are shown in help and completed by shells. Wrong ones are left to the check of

@@ -14,7 +14,7 @@ use crate::bench::machine::{self, Machine};
 use crate::bench::{Outcome, Report, Track, Watch};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::atomic;
-use crate::scene::Scene;
+use crate::scene::{Scene, Wanted};
 
 /// Races on every scene and prints what came out.
 pub(super) fn run(args: &BenchArgs) -> Result<()> {
@@ -49,7 +49,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
 fn load_all(options: &BenchOptions) -> Result<Vec<Scene>> {
     let (mut scenes, mut problems) = (Vec::new(), Problems::default());
     for path in &options.scenes {
-        match Frozen::told(path, &options.overrides) {
+        match Frozen::told(path, &options.overrides, Wanted::default()) {
             Ok(frozen) => scenes.push(frozen.scene),
             Err(Error::Input(more)) => problems.0.extend(more.0),
             Err(error) => return Err(error),

@@ -7,7 +7,8 @@ use serde_json::Value;
 
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
-use crate::scene::{self, Built, Description, Library, Loaded, Needs, Scene};
+use crate::scene::{self, Built, Description, Library, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
+use crate::tradeoff;
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -17,6 +18,10 @@ pub(super) struct Frozen {
     pub(super) path: PathBuf,
     /// What was odd about its files, but not wrong.
     pub(super) warnings: Vec<Problem>,
+    /// What had no effect, and was left out.
+    pub(super) pruned: Vec<Pruned>,
+    /// What it was frozen for.
+    pub(super) wanted: Wanted,
     /// Pictures that its file names and that could not be read: among the warnings.
     pub(super) unread: Vec<Problem>,
     /// What tells its description from others.
@@ -28,31 +33,32 @@ pub(super) struct Frozen {
     /// The frame of a sequence, and when it begins in seconds.
     pub(super) frame: Option<(i32, f64)>,
     /// Where each placement was described.
-    origins: Vec<Place>,
+    pub(super) origins: Vec<Place>,
 }
 
 impl Frozen {
     /// The scene of a file, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
-    pub(super) fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+    pub(super) fn read(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
-        Self::of(scene::load(path, overrides)?, path, None, &Arc::default())
+        Self::of(scene::load(path, overrides)?, path, (None, wanted), &Arc::default())
     }
 
     /// The scene of a description, or a frame of it, with what a library has of its files.
     pub(super) fn of(
         loaded: Loaded,
         path: &Path,
-        frame: Option<i32>,
+        (frame, wanted): (Option<i32>, Wanted),
         library: &Arc<Library>,
     ) -> Result<Self> {
         let Loaded { description, mut warnings } = loaded;
         let (description, frame) = at_frame(description, frame);
-        let Built { scene, origins, files, warnings: more, unread } =
-            scene::build_from(&description, library).inspect_err(|_| log::warn(&warnings))?;
+        let built =
+            scene::build_from(&description, &wanted, library).inspect_err(|_| log::warn(&warnings))?;
+        let Built { scene, origins, files, warnings: more, unread, pruned } = built;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
         let path = path.to_owned();
-        Ok(Self { scene, path, warnings, unread, hash, description, files, frame, origins })
+        Ok(Self { scene, path, warnings, unread, pruned, wanted, hash, description, files, frame, origins })
     }
 
     /// Becomes another frame of the same scene, if nothing but the camera moves and the files are the same; else says that it cannot.
@@ -66,19 +72,49 @@ impl Frozen {
         true
     }
 
-    /// The same, with all that was odd logged.
-    pub(super) fn told(path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::read(path, overrides).inspect(|frozen| log::warn(&frozen.warnings))
+    /// The same, with all that was odd logged, and in a line what was left out.
+    pub(super) fn told(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
+        Self::read(path, overrides, wanted).inspect(|frozen| {
+            log::warn(&frozen.warnings);
+            if let Some(line) = frozen.without_effect() {
+                tracing::info!("{line}");
+            }
+        })
+    }
+
+    /// A line about what was left out, if anything was.
+    pub(super) fn without_effect(&self) -> Option<String> {
+        let summary = pruned::summary(&self.pruned)?;
+        Some(format!("without effect: {summary}; see `specula plan`"))
+    }
+
+    /// The same files with other values replaced: the scene is told settings where that is enough, and built anew where it is not.
+    pub(super) fn turned(self, overrides: &[String]) -> Result<Self> {
+        let loaded = scene::load(&self.path, overrides)?;
+        let number = self.frame.map(|(number, _)| number);
+        let (description, frame) = at_frame(loaded.description.clone(), number);
+        if !tradeoff::is_built_alike(&self.description, &description) {
+            return Self::of(loaded, &self.path, (number, self.wanted), &Arc::default());
+        }
+        let hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        let mut scene = self.scene;
+        (scene.render, scene.film) = (description.render.clone(), description.film.clone());
+        Ok(Self { scene, hash, description, frame, ..self })
     }
 
     /// What it requires.
     pub(super) fn needs(&self) -> Needs {
-        Needs::of(&self.scene, &self.origins)
+        Needs::of(&self.scene, &self.wanted)
     }
 
-    /// What the command `plan` says of it.
+    /// All that is odd about it, as far as that is seen at a glance.
+    pub(super) fn all_warnings(&self) -> Vec<Problem> {
+        self.warnings.iter().cloned().chain(needs::warnings(&self.scene, &self.origins)).collect()
+    }
+
+    /// What the command `plan` says of it, but for what takes a while to find.
     pub(super) fn plan(&self) -> Value {
-        plan::to_json(self, &self.needs())
+        plan::to_json(self, &self.needs(), &self.all_warnings())
     }
 }
 

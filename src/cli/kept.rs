@@ -13,6 +13,7 @@ use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::{Window, atomic};
 use crate::render::{self, Begin, Checkpoint, Keeper, State};
 use crate::scene;
+use crate::scene::needs::capability::Capability;
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
 pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
@@ -23,6 +24,10 @@ pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
     about["outputs"] = options.layout.aovs().iter().map(|aov| aov.name()).collect();
     about["time_limit_s"] = options.limits.time.map(|time| time.as_secs_f64()).into();
     about["target_error"] = options.limits.error.into();
+    // Switched on, it moves the last bits.
+    if !options.specialise.forced.is_empty() {
+        about["forced"] = options.specialise.forced.iter().map(Capability::word).collect();
+    }
     Ok(about)
 }
 

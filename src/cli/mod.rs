@@ -7,6 +7,7 @@
 mod args;
 mod batch;
 mod bench;
+mod cost;
 mod diff;
 mod documents;
 mod farm;
@@ -26,6 +27,7 @@ mod report;
 mod stage;
 mod statistics;
 mod threads;
+mod tradeoff;
 
 use std::ffi::OsString;
 use std::process::ExitCode;
@@ -35,7 +37,7 @@ use clap::Parser as _;
 pub use args::{
     Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine,
     Farmed, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs,
-    SchemaArgs, SchemaOf, SlurmArgs,
+    SchemaArgs, SchemaOf, SlurmArgs, TradeoffArgs,
 };
 
 use crate::error::{Error, Result};
@@ -60,6 +62,7 @@ pub fn run(args: Args) -> Result<()> {
         Command::Diff(args) => diff::run(&args),
         Command::Fuzzy(args) => fuzzy::run(&args),
         Command::Bench(args) => bench::run(&args),
+        Command::Tradeoff(args) => tradeoff::run(&args),
         Command::Schema(args) => documents::schema(args.of),
         Command::Completions(args) => documents::completions(args.shell),
         Command::Man(args) => documents::man(args.dir.as_deref()),

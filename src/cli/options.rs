@@ -2,21 +2,28 @@
 
 mod batch;
 mod bench;
+mod cost;
 mod farm;
 mod fuzzy;
 mod merge;
+mod tradeoff;
 
 pub(super) use batch::BatchOptions;
 pub(super) use bench::BenchOptions;
+pub(super) use cost::Cost;
 pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
+pub(super) use tradeoff::{Against, TradeoffOptions};
 
 use std::num::NonZeroUsize;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use super::args::{CRYPTOMATTE, DiffArgs, FIRST_PASS, RenderArgs, further_outputs};
+use super::args::{
+    CRYPTOMATTE, DiffArgs, FIRST_PASS, PRUNING, PlanArgs, RenderArgs, further_outputs, specialised,
+};
 use super::frames;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
@@ -24,8 +31,10 @@ use crate::image::{Format, Window, atomic};
 use crate::measure::Metric;
 use crate::measure::flip::Viewing;
 use crate::render::{Limits, Slice};
+use crate::scene::Wanted;
 use crate::scene::description::Frames;
 use crate::scene::load::words::suggest;
+use crate::scene::needs::capability::{Capabilities, Capability};
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -51,8 +60,58 @@ pub(super) struct RenderOptions {
     pub(super) first_pass: bool,
     pub(super) threads: Option<NonZeroUsize>,
     pub(super) limits: Limits,
+    pub(super) specialise: Specialise,
+    /// Whether somebody else chooses settings.
+    pub(super) cost: Option<Cost>,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
+}
+
+/// What is done beside what a scene needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Specialise {
+    /// What is switched on.
+    pub(super) forced: Capabilities,
+    /// Whether what has no effect is kept.
+    pub(super) keeps: bool,
+}
+
+impl Specialise {
+    /// What the words of `--no-specialise` mean: everything where there are none.
+    fn new(words: Option<&[String]>, problems: &mut Problems) -> Self {
+        let Some(words) = words else { return Self::default() };
+        if words.is_empty() {
+            return Self { forced: Capabilities::forceable(), keeps: true };
+        }
+        let known = specialised();
+        for word in words.iter().filter(|word| !known.contains(&word.as_str())) {
+            let what = format!("`{word}` is nothing to switch on");
+            problems.push(on_command_line(what).remedy(suggest(word, &known)));
+        }
+        let is_named = |capability: &Capability| words.iter().any(|word| word == capability.word());
+        Self {
+            forced: Capabilities::forceable().iter().filter(is_named).collect(),
+            keeps: words.iter().any(|word| word == PRUNING),
+        }
+    }
+
+    /// A picture with these outputs, for which samples are taken where they bring most or not.
+    fn wanted(self, layout: Layout, adaptive: bool) -> Wanted {
+        Wanted { adaptive, forced: self.forced, prunes: !self.keeps, ..Wanted::picture(layout) }
+    }
+}
+
+/// What `plan` is to plan for.
+pub(super) fn planned(args: &PlanArgs) -> Result<Wanted> {
+    let mut problems = Problems::default();
+    let adaptive = args
+        .target_error
+        .as_deref()
+        .and_then(|text| target_error("target-error", text, &mut problems))
+        .is_some();
+    let specialise = Specialise::new(args.no_specialise.as_deref(), &mut problems);
+    let wanted = specialise.wanted(layout(&args.aov, &mut problems), adaptive);
+    problems.into_result(wanted)
 }
 
 /// Where copies of a picture under way are kept.
@@ -113,12 +172,24 @@ impl RenderOptions {
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
             limits: Limits {
                 time: args.time_limit.as_deref().and_then(|text| time("time-limit", text, &mut problems)),
-                error: args.target_error.as_deref().and_then(|text| target_error(text, &mut problems)),
+                error: args
+                    .target_error
+                    .as_deref()
+                    .and_then(|text| target_error("target-error", text, &mut problems)),
+                is_estimated: false,
             },
+            specialise: Specialise::new(args.no_specialise.as_deref(), &mut problems),
+            cost: cost::cost(args, &mut problems),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
         };
+        cost::check(&options, &mut problems);
         problems.into_result(options)
+    }
+
+    /// What the scene is to be frozen for.
+    pub(super) fn wanted(&self) -> Wanted {
+        self.specialise.wanted(self.layout.clone(), self.limits.error.is_some())
     }
 }
 
@@ -410,6 +481,13 @@ fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
     given(number, ("threads", text), "a number of threads", remedy, problems)
 }
 
+/// A whole number in a range.
+fn whole(flag: &str, text: &str, range: RangeInclusive<usize>, problems: &mut Problems) -> Option<usize> {
+    let number = text.trim().parse().ok().filter(|n| range.contains(n));
+    let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
+    given(number, (flag, text), &format!("a number of {flag}"), remedy, problems)
+}
+
 /// A time with its unit, seconds where there is none.
 fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
@@ -421,10 +499,10 @@ fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
     given(time, (flag, text), "a time", remedy, problems)
 }
 
-fn target_error(text: &str, problems: &mut Problems) -> Option<f64> {
+fn target_error(flag: &str, text: &str, problems: &mut Problems) -> Option<f64> {
     let number = text.trim().parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0);
     let remedy = || "give a relMSE above 0, such as 0.001".to_owned();
-    given(number, ("target-error", text), "an error", remedy, problems)
+    given(number, (flag, text), "an error", remedy, problems)
 }
 
 /// What the text behind a flag was read as; it is a problem that it is not `what` if it could not be.

@@ -59,12 +59,15 @@ fn one(
     (quiet, interrupt): (bool, &Interrupt),
     (reading, is_last): (Phase, bool),
 ) -> Result<()> {
-    let options = order.options;
+    let mut options = order.options.clone();
     interrupt.check()?;
     let read = stage.load(order)?;
     let meter = Meter::new(quiet, "samples", interrupt.clone());
-    let made = stage.make(order, read, &meter);
+    let prediction = stage.settle(&mut options, order.start, &meter)?;
+    let options = &options;
+    let made = stage.make(&Order { options, ..*order }, read, &meter);
     meter.finish();
+    let elapsed = order.start.elapsed();
     let Made { rendered, about, settings, mut load, kept } = made?;
     load += reading;
     if is_last {
@@ -79,7 +82,8 @@ fn one(
     });
     written?;
     if let Some(path) = &options.stats {
-        let report = statistics::report(options, frozen, &rendered, Times { load, write });
+        let mut report = statistics::report(options, frozen, &rendered, Times { load, write });
+        report["cost"] = prediction.map_or(Value::Null, |it| it.beside(&rendered, elapsed));
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {
@@ -119,11 +123,11 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
             Ended::Error => "the error is below its target",
         };
         tracing::info!("ended with {} per pixel: {why}", statistics::per_pixel(rendered));
-        if let Some(Estimate { error, bound }) = statistics.estimate {
-            tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
-        } else if options.limits.error.is_some() {
-            tracing::warn!("too few samples to estimate the error");
-        }
+    }
+    if let Some(Estimate { error, bound }) = statistics.estimate {
+        tracing::info!("relMSE about {error:.3e}, below {bound:.3e} with a probability of 95 %");
+    } else if options.limits.error.is_some() {
+        tracing::warn!("too few samples to estimate the error");
     }
     tell_dropped(options, scene, rendered);
 }
@@ -191,7 +195,7 @@ fn write_parts(
 }
 
 /// How the scene wants to be shown.
-fn development(scene: &Scene) -> Development {
+pub(super) fn development(scene: &Scene) -> Development {
     let curve = match scene.film.tone {
         Tone::Clip => Curve::Clip,
         Tone::Filmic => Curve::Filmic,

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use serde_json::Value;
 
+use super::cost::{self, Prediction};
 use super::frozen::Frozen;
 use super::kept::{self, Kept};
 use super::options::RenderOptions;
@@ -72,6 +73,19 @@ impl Stage {
         Ok((about?, load))
     }
 
+    /// Lets settings be chosen for the scene that was got ready, where somebody is to; the options then have them.
+    pub(super) fn settle(
+        &mut self,
+        options: &mut RenderOptions,
+        start: Instant,
+        progress: &dyn Progress,
+    ) -> Result<Option<Prediction>> {
+        let Some(Last { frozen, files }) = self.last.take() else { return Err(gone()) };
+        let (frozen, prediction) = cost::settle(options, frozen, start, progress)?;
+        self.last = Some(Last { frozen, files });
+        Ok(prediction)
+    }
+
     /// Makes a picture of the scene that was got ready for it.
     pub(super) fn make<'a>(
         &mut self,
@@ -126,17 +140,22 @@ impl Stage {
         let (options, loaded) = (order.options, order.loaded);
         let serves = self.last.as_mut().is_some_and(|Last { frozen, files }| {
             frozen.path == options.scene
+                && frozen.wanted == options.wanted()
                 && files.iter().all(|(path, stamp)| Stamp::of(path) == *stamp)
                 && frozen.retake(&loaded.description, options.frame)
         });
         if !serves {
             self.clear();
+            let of = (options.frame, options.wanted());
             let stamped = |path: PathBuf| (path.clone(), Stamp::of(&path));
             let own = scene::files(&loaded.description, &[]).into_iter();
             let mut files: Vec<_> = own.map(stamped).collect();
-            let frozen = Frozen::of(loaded.clone(), &options.scene, options.frame, &self.library)?;
+            let frozen = Frozen::of(loaded.clone(), &options.scene, of, &self.library)?;
             files.extend(frozen.files.iter().cloned().map(stamped));
             self.tell(&frozen.warnings);
+            if let Some(line) = frozen.without_effect().filter(|line| self.told.insert(line.clone())) {
+                tracing::info!("{line}");
+            }
             self.last = Some(Last { frozen, files });
         }
         self.frozen()

@@ -8,11 +8,12 @@ use serde_json::{Value, json};
 use super::frozen::Frozen;
 use super::options::RenderOptions;
 use crate::film::{Film, SampleId, cryptomatte};
-use crate::integrator::{ChosenLights, Counters};
+use crate::integrator::Counters;
 use crate::math::lanes::Level;
 use crate::render::{self, Estimate, Phase, Rendered};
 use crate::scene::Scene;
 use crate::scene::description::{FuzzyBy, Integrator, Knob, Render};
+use crate::scene::needs::ChosenLights;
 
 /// How long each part took.
 #[derive(Clone, Copy, Debug, Default)]
@@ -348,6 +349,8 @@ mod tests {
             checkpoint: None,
             threads: None,
             limits: render::Limits::default(),
+            specialise: crate::cli::options::Specialise::default(),
+            cost: None,
             precision: Precision::Float,
             stats: None,
         };

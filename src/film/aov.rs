@@ -10,9 +10,9 @@ pub enum Aov {
     /// Radiance towards the camera, W/(sr m^2).
     Beauty,
     /// The part of the picture that came by two edges at most: emission that is seen directly, and light from lights (the
-    /// environment is one) that one surface scattered, be it asked for or met by chance.
+    /// environment is one) that one surface scattered, be it asked for or met by chance; but no reflection that was filtered.
     Direct,
-    /// The rest of the picture.
+    /// The rest of the picture; filtered reflections whole, also of lights.
     Indirect,
     /// The part of the pixel that shows anything but what lies infinitely far away, in [0, 1].
     Alpha,

@@ -4,6 +4,7 @@ use crate::geometry::points::Corners;
 use crate::geometry::{Points, ShapeHit, SurfacePoint};
 use crate::math::{Aabb, Transform, motion};
 use glam::{Vec2, Vec3};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 /// Indexed triangles, counter-clockwise seen from outside; checked once, then immutable and cheap to share.
@@ -102,6 +103,19 @@ impl Mesh {
         Ok(Self { uvs: Some(uvs.into()), ..self })
     }
 
+    /// The same mesh without surface parameters.
+    #[must_use]
+    pub fn without_uvs(self) -> Self {
+        Self { uvs: None, ..self }
+    }
+
+    /// The same mesh without shading normals.
+    #[must_use]
+    pub fn without_normals(self) -> Self {
+        let later = self.later.iter().map(|key| Key { positions: key.positions.clone(), normals: None });
+        Self { normals: None, later: later.collect(), ..self }
+    }
+
     /// The same mesh with a group per triangle, by which materials are told apart.
     pub fn with_groups(self, groups: Vec<u16>) -> Result<Self, MeshError> {
         check_length("groups", groups.len(), self.triangles.len())?;
@@ -129,6 +143,14 @@ impl Mesh {
         Ok(Self { later, ..self })
     }
 
+    /// The same mesh, if it stays, with a second key at which everything is where it was.
+    #[must_use]
+    pub(crate) fn held(self) -> Self {
+        let key = || Key { positions: self.positions.clone(), normals: self.normals.clone() };
+        let later = if self.later.is_empty() { Arc::from([key()]) } else { self.later.clone() };
+        Self { later, ..self }
+    }
+
     /// The same mesh carried to another place. Mirrored maps keep the outside outside.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
@@ -143,11 +165,11 @@ impl Mesh {
             |key: &Key| Key { positions: moved(&key.positions), normals: key.normals.as_ref().map(turned) };
         Self {
             positions: moved(&self.positions),
-            triangles: self
-                .triangles
-                .iter()
-                .map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] })
-                .collect(),
+            triangles: if mirrored {
+                self.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect()
+            } else {
+                self.triangles.clone()
+            },
             normals: self.normals.as_ref().map(turned),
             uvs: self.uvs.clone(),
             groups: self.groups.clone(),
@@ -311,16 +333,24 @@ impl Mesh {
     /// Bytes of the arrays.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        fn bytes<T>(array: &[T]) -> usize {
-            size_of_val(array)
+        self.bytes_beside(&mut BTreeSet::new())
+    }
+
+    /// Bytes of the arrays but for those that have been seen, by where they are, which these now have: meshes share arrays.
+    pub(crate) fn bytes_beside(&self, seen: &mut BTreeSet<usize>) -> usize {
+        fn array<T>(array: &Arc<[T]>) -> (usize, usize) {
+            (array.as_ptr().addr(), size_of_val(&**array))
         }
         let later = self.later.iter().flat_map(|key| [Some(&key.positions), key.normals.as_ref()]);
-        bytes(&self.positions)
-            + bytes(&self.triangles)
-            + self.normals.as_deref().map_or(0, bytes)
-            + self.uvs.as_deref().map_or(0, bytes)
-            + self.groups.as_deref().map_or(0, bytes)
-            + later.flatten().map(|array| bytes(array)).sum::<usize>()
+        let arrays = [
+            Some(array(&self.positions)),
+            Some(array(&self.triangles)),
+            self.normals.as_ref().map(array),
+            self.uvs.as_ref().map(array),
+            self.groups.as_ref().map(array),
+        ];
+        let all = arrays.into_iter().flatten().chain(later.flatten().map(array));
+        all.filter(|(place, _)| seen.insert(*place)).map(|(_, bytes)| bytes).sum()
     }
 }
 

@@ -26,11 +26,14 @@ pub fn write(path: &Path, picture: &Image, development: Development) -> Result<(
 
 /// Writes red, green and blue as they are, whole or not at all. There are three bytes for each pixel, by row from the top.
 pub fn write_bytes(path: &Path, [width, height]: [u32; 2], bytes: &[u8]) -> Result<()> {
-    atomic::write(path, |file| {
-        PngEncoder::new_with_quality(file, CompressionType::Default, FilterType::Adaptive)
-            .write_image(bytes, width, height, ExtendedColorType::Rgb8)
-            .map_err(io::Error::other)
-    })
+    atomic::write(path, |file| encode(file, [width, height], bytes))
+}
+
+/// Writes red, green and blue as a PNG file into something else than a file. There are three bytes for each pixel, by row from the top.
+pub fn encode(into: impl io::Write, [width, height]: [u32; 2], bytes: &[u8]) -> io::Result<()> {
+    PngEncoder::new_with_quality(into, CompressionType::Default, FilterType::Adaptive)
+        .write_image(bytes, width, height, ExtendedColorType::Rgb8)
+        .map_err(io::Error::other)
 }
 
 /// The picture in a PNG file of 1 to 16 bits, in colour, grey or with a palette, as linear light from 0 to 1.

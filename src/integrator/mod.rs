@@ -20,7 +20,7 @@ pub use counters::Counters;
 pub use deferred::Deferred;
 pub use features::Features;
 pub use first_pass::{FirstPass, Reflection};
-pub use path::{ChosenLights, Path, Wave};
+pub use path::{Path, Wave};
 pub use splitting::Splitting;
 pub use view::View;
 pub use whitted::Whitted;

@@ -53,10 +53,10 @@ pub(super) struct FromMap<F: Lanes> {
 }
 
 impl EnvironmentMap {
-    /// Bytes of memory that it takes, about: corners, and the tables to draw from.
+    /// Bytes of the picture and of the tables to draw from it.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&self.corners[..]) + size_of_val(&self.sines[..]) + self.corners.len() * 5
+        size_of_val(&self.corners[..]) + size_of_val(&self.sines[..]) + self.choice.bytes()
     }
 
     /// From a picture, a factor on its values and a rotation about +Y in radians, counter-clockwise seen from above. Fails

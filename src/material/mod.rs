@@ -80,6 +80,12 @@ impl Material {
         changes || self.scattering.is_textured() || self.relief.is_some()
     }
 
+    /// Whether it reads surface parameters, or the direction in which they grow.
+    #[must_use]
+    pub fn reads_parameters(&self) -> bool {
+        self.is_textured() || self.opacity.is_some() || self.scattering.turn().is_some()
+    }
+
     /// Whether the surface is nothing but the boundary of its medium, so that between equal media it is not seen.
     #[must_use]
     pub fn is_interface(&self) -> bool {

@@ -5,7 +5,7 @@ use super::gather::{self, Aim, Patch, Total};
 use super::gbuffer::{GBuffer, Mirror, Rgb3};
 use super::half::{self, Corners};
 use super::lobe::Lobe;
-use super::pyramid::Pyramid;
+use super::pyramid::{Depth, Pyramid};
 use super::reach::reach;
 use super::settings::{Correction, Fuzzy, Shape, Weighting};
 use crate::image::Window;
@@ -138,8 +138,9 @@ impl Plans {
         &self.pixels[(y - self.window.y0) as usize * width + (x - self.window.x0) as usize]
     }
 
-    /// How often each reflector is halved at most; those that are not halved are left out.
-    fn depths(&self, g: &GBuffer) -> BTreeMap<u32, u32> {
+    /// How often each reflector is halved at most, and by its narrowest lobe what no texel of it mixes; those that are not halved are
+    /// left out.
+    fn depths(&self, g: &GBuffer) -> BTreeMap<u32, Depth> {
         let mut depths = BTreeMap::new();
         for y in self.window.y0..self.window.y1 {
             for x in self.window.x0..self.window.x1 {
@@ -147,8 +148,10 @@ impl Plans {
                 if let Some(mirror) =
                     g.texel(x, y).and_then(|texel| texel.mirror.as_ref()).filter(|_| plan.level > 0)
                 {
-                    let depth = depths.entry(mirror.reflector).or_insert(0);
-                    *depth = plan.level.max(*depth);
+                    let apart = self.lobes[plan.lobe as usize].normals_apart();
+                    let depth = depths.entry(mirror.reflector).or_insert(Depth { halvings: 0, apart });
+                    depth.halvings = plan.level.max(depth.halvings);
+                    depth.apart = apart.min(depth.apart);
                 }
             }
         }
@@ -273,8 +276,7 @@ impl Job<'_> {
     /// The sums over the window of a pixel.
     #[inline(always)]
     fn window<S: Isa>(&self, isa: S, [x, y]: [u32; 2], mirror: &Mirror, plan: &Plan) -> Total {
-        let mut total = Total::default();
-        let Some(w) = mirror.direction() else { return total };
+        let Some(w) = mirror.direction() else { return Total::default() };
         let aim = Aim {
             a: mirror.a.to_array(),
             w: w.to_array(),
@@ -283,22 +285,27 @@ impl Job<'_> {
             lobe: &self.plans.lobes[plan.lobe as usize],
             rejection: self.fuzzy.speed.rejection,
         };
-        let texel = 0.5_f32.powi(plan.level.cast_signed());
+        let mut total = Total::default();
+        for field in self.pyramid.fields(mirror.reflector, plan.level) {
+            self.add(isa, (field, &aim, &self.patch([x, y], plan, plan.level)), [x, y], &mut total);
+        }
+        // Whole pixels, too, where no texel is of nothing but this face.
+        if total.mean().is_none() {
+            self.add(isa, (self.field, &aim, &self.patch([x, y], plan, 0)), [x, y], &mut total);
+        }
+        total
+    }
+
+    /// The window of a pixel in a picture that was halved `level` times.
+    fn patch(&self, [x, y]: [u32; 2], plan: &Plan, level: u32) -> Patch {
+        let texel = 0.5_f32.powi(level.cast_signed());
         // A texel that is cut by the outline counts; what of it lies outside of the lobe is told by its middle.
-        let margin = if plan.level > 0 { 0.5 } else { 0.0 };
-        let patch = Patch {
+        let margin = if level > 0 { 0.5 } else { 0.0 };
+        Patch {
             middle: [(x as f32 + 0.5) * texel, (y as f32 + 0.5) * texel],
             radius: [plan.radius[0] * texel + margin, plan.radius[1] * texel + margin],
             round: self.fuzzy.shape == Shape::Round,
-        };
-        if plan.level == 0 {
-            self.add(isa, (self.field, &aim, &patch), [x, y], &mut total);
-        } else {
-            for field in self.pyramid.fields(mirror.reflector, plan.level) {
-                self.add(isa, (field, &aim, &patch), [x, y], &mut total);
-            }
         }
-        total
     }
 
     #[inline(always)]

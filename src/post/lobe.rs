@@ -119,6 +119,23 @@ mod tests {
     }
 
     #[test]
+    fn ten_degrees_cut_off_what_they_do() {
+        // Exponent, and the part of the lobe beyond ten degrees: from the closed form, by hand.
+        for (exponent, lost, half_a_digit) in
+            [(50.0, 0.46, 5e-3), (100.0, 0.21, 5e-3), (200.0, 0.046, 5e-4), (500.0, 5e-4, 5e-5)]
+        {
+            let lobe = Lobe::new(exponent, 1e-6, 10_f32.to_radians());
+            // cos^(p + 1) at the cone, and one less the integral over it of (p + 1) cos^p dt, by the midpoint rule.
+            let beyond = (1.0 - lobe.t_max) * lobe.weight(lobe.t_max);
+            let dt = lobe.t_max / 2000.0;
+            let within: f32 = (0..2000_u16).map(|i| lobe.weight((f32::from(i) + 0.5) * dt)).sum();
+            let rest = 1.0 - (exponent + 1.0) * within * dt;
+            assert!((beyond - lost).abs() < half_a_digit, "{exponent}: {beyond}, not {lost}");
+            assert!((beyond - rest).abs() < 2e-5, "{exponent}: {beyond} beyond, and {rest} not within");
+        }
+    }
+
+    #[test]
     fn a_table_is_as_close_as_it_says() {
         for exponent in [0.0, 1.0, 20.0, 300.0, 1e4, 1e6] {
             let lobe = Lobe::new(exponent, 1e-3, 3.0).tabulated();

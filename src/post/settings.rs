@@ -91,7 +91,7 @@ pub enum Rejection {
 /// What is done to be quick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Speed {
-    /// Whether pixels whose window is below half a pixel, or empty but for themselves, are left as they are.
+    /// Whether pixels whose window has a radius below half a pixel are left as they are, without a look: nothing but themselves is in it.
     pub skip: bool,
     /// How what lies outside of the lobe is told.
     pub rejection: Rejection,

@@ -3,6 +3,7 @@
 use crate::film::Film;
 use crate::image::Window;
 use crate::render::adaptive::Adaptive;
+use crate::render::halves::Halves;
 use crate::render::schedule::{PACKET, PART, Pass, Schedule};
 use crate::render::{Ended, Estimate, Limits};
 use serde_json::{Value, json};
@@ -18,6 +19,8 @@ pub(super) struct Course {
     even: Schedule,
     /// With a target for the error.
     adaptive: Option<Adaptive>,
+    /// Where the error of a picture that time ends is to be known: what it was before.
+    halves: Option<Halves>,
     /// Seconds that a sample of a pixel takes.
     pace: Option<f64>,
 }
@@ -30,6 +33,7 @@ impl Course {
             pixels: tiles.iter().map(|tile| f64::from(tile.width()) * f64::from(tile.height())).sum(),
             even: Schedule::new(limits, start, (samples, tiles.len())),
             adaptive,
+            halves: limits.is_estimated.then(Halves::default),
             pace: None,
         }
     }
@@ -96,6 +100,9 @@ impl Course {
             Some(adaptive) if !is_trial => adaptive.passed(pass, film),
             _ => self.even.passed(pass, seconds),
         }
+        if let (None, Some(halves)) = (&self.adaptive, &mut self.halves) {
+            halves.passed(pass, film);
+        }
     }
 
     /// Samples of all pixels that are expected in all, as far as is known before a pass.
@@ -117,8 +124,11 @@ impl Course {
     }
 
     /// The error of the picture, where it is known.
-    pub(super) fn estimate(&self) -> Option<Estimate> {
-        let noise = self.adaptive.as_ref()?.noise()?;
+    pub(super) fn estimate(&self, film: &Film) -> Option<Estimate> {
+        let noise = match (&self.adaptive, &self.halves) {
+            (Some(adaptive), _) => adaptive.noise()?,
+            (None, halves) => halves.as_ref()?.noise(film)?,
+        };
         Some(Estimate { error: noise.mean(), bound: noise.bound() })
     }
 }

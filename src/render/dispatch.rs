@@ -2,7 +2,7 @@
 
 use crate::accel::Accel;
 use crate::accel::bvh::{BvhAccel, Hierarchy, Options};
-use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError};
+use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError, Quality, SceneOptions};
 use crate::error::{Error, Place, Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::geometry::World;
@@ -15,6 +15,7 @@ use crate::render::two_pass;
 use crate::render::{Checkpoint, Keeper, Outline, Progress, Rendered, Settings, Slice, Statistics, Studio};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
+use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, description};
 use std::fmt;
 use std::io::Read;
@@ -74,6 +75,28 @@ pub fn backend(scene: &Scene) -> Result<String> {
         }
         other => other.word().to_owned(),
     })
+}
+
+/// Renders parts of a scene's picture on one hierarchy, one after the other: each is that part of the whole, bit for bit.
+///
+/// Fails as [`render`] does.
+pub fn render_crops(
+    scene: &Scene,
+    settings: &Settings,
+    crops: &[Window],
+    progress: &dyn Progress,
+) -> Result<Vec<Rendered>> {
+    let mut studio = Studio::new(settings.threads)?;
+    let of = |&crop: &Window| {
+        let settings = Settings { crop: Some(crop), ..settings.clone() };
+        studio.render(scene, &settings, progress, Kept::default())
+    };
+    let mut rendered: Vec<Rendered> = crops.iter().map(of).collect::<Result<_>>()?;
+    // Built once, for all of them.
+    if let Some(build) = rendered.first().map(|first| first.statistics.build) {
+        rendered.iter_mut().for_each(|each| each.statistics.build = build);
+    }
+    Ok(rendered)
 }
 
 /// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
@@ -147,8 +170,16 @@ pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::Threa
 
 pub(super) fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
     let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-    let options =
-        BuildOptions { device: Config { threads, ..Config::from_env() }, ..BuildOptions::default() };
+    let quality = match scene.render.build_quality {
+        description::BuildQuality::Low => Quality::Low,
+        description::BuildQuality::Medium => Quality::Medium,
+        description::BuildQuality::High => Quality::High,
+    };
+    let robust = scene.uses(Capability::RobustTraversal);
+    let options = BuildOptions {
+        device: Config { threads, ..Config::from_env() },
+        scene: SceneOptions { quality, robust, ..SceneOptions::default() },
+    };
     let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
         EmbreeError::Cancelled => Error::Interrupted,

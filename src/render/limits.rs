@@ -10,6 +10,8 @@ pub struct Limits {
     /// The relMSE that is good enough, as `specula diff` measures it against an endless picture: the picture ends when it is below with a
     /// probability of 95 %, by an estimate from its own samples. Tiles then get as many samples each as it takes.
     pub error: Option<f64>,
+    /// Whether the error of a picture that time ends is estimated, too; that of one which the error is to end is in any case.
+    pub is_estimated: bool,
 }
 
 impl Limits {

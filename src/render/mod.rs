@@ -9,6 +9,7 @@ mod archive;
 mod course;
 mod dispatch;
 mod eye;
+mod halves;
 mod job;
 mod keeping;
 mod limits;
@@ -24,7 +25,7 @@ mod studio;
 mod tiles;
 mod two_pass;
 
-pub use dispatch::{Begin, Kept, MOST, backend, outline, render, render_kept, render_on};
+pub use dispatch::{Begin, Kept, MOST, backend, outline, render, render_crops, render_kept, render_on};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};

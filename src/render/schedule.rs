@@ -43,6 +43,8 @@ pub(super) struct Schedule {
     taken: u32,
     /// Whether passes are whole packets.
     packets: bool,
+    /// Without a clock, where the first of two passes ends: both of whole packets, so that the picture is that of one.
+    half: Option<u32>,
     /// Seconds that one sample of every pixel takes.
     pace: Option<f64>,
     ended: Ended,
@@ -58,6 +60,7 @@ impl Schedule {
             tiles,
             taken: samples.start,
             packets: false,
+            half: half(limits, samples),
             pace: None,
             ended: Ended::Samples,
         }
@@ -104,7 +107,8 @@ impl Schedule {
     /// The next pass; `None` when it is enough. A pass that begins at sample 0 begins anew: what there was is thrown away.
     pub(super) fn next(&mut self) -> Option<Pass> {
         let Some([left, limit]) = self.left() else {
-            return (self.taken < self.most).then(|| self.all(self.most, true));
+            let end = self.half.filter(|half| self.taken < *half).unwrap_or(self.most);
+            return (self.taken < self.most).then(|| self.all(end, true));
         };
         let Some(pace) = self.pace else { return Some(self.all(1, false)) };
         if self.taken == 1 && !self.packets && self.is_trial(pace, limit, left) {
@@ -152,6 +156,13 @@ impl Schedule {
     }
 }
 
+/// Where a picture is cut in two, for its noise to be estimated.
+fn half(limits: &Limits, samples: &Range<u32>) -> Option<u32> {
+    let is_cut = limits.is_estimated && samples.start == 0 && samples.end >= 2 * PACKET;
+    let half = (samples.end / 2).next_multiple_of(PACKET);
+    (is_cut && samples.end.is_multiple_of(PACKET) && half < samples.end).then_some(half)
+}
+
 /// Rounded down.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cut at both ends")]
 fn whole(x: f64) -> u32 {
@@ -165,7 +176,7 @@ mod tests {
     /// The passes of a picture where a sample of all pixels takes `pace` seconds and `limit` seconds are given, on a clock of its own:
     /// the start moves back as time goes by.
     fn passes(limit: f64, pace: impl Fn(u32) -> f64, most: u32) -> (Vec<Pass>, f64, Ended) {
-        let limits = Limits { time: Some(Duration::from_secs_f64(limit)), error: None };
+        let limits = Limits { time: Some(Duration::from_secs_f64(limit)), ..Limits::default() };
         let start = Instant::now();
         let mut schedule = Schedule::new(&limits, start, (&(0..most), 3));
         let (mut all, mut clock) = (Vec::new(), 0.0);
@@ -193,6 +204,23 @@ mod tests {
         assert_eq!(pass.shares, [(0, 0..7), (1, 0..7)], "all at once");
         schedule.passed(&pass, 1.0);
         assert_eq!((schedule.next(), schedule.ended()), (None, Ended::Samples), "that was all");
+    }
+
+    #[test]
+    fn a_picture_whose_noise_is_wanted_is_cut_at_whole_packets() {
+        let limits = Limits { is_estimated: true, ..Limits::default() };
+        let cuts = |most| {
+            let mut schedule = Schedule::new(&limits, Instant::now(), (&(0..most), 2));
+            let mut cuts = Vec::new();
+            while let Some(pass) = schedule.next() {
+                schedule.passed(&pass, 1.0);
+                cuts.push(samples(&pass));
+            }
+            cuts
+        };
+        assert_eq!(cuts(96), [0..48, 48..96], "in two");
+        assert_eq!(cuts(48), [0..32, 32..48], "about");
+        assert_eq!((cuts(40), cuts(16)), (vec![0..40], vec![0..16]), "not through packets");
     }
 
     #[test]

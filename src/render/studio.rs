@@ -8,6 +8,7 @@ use crate::geometry::World;
 use crate::render::dispatch::{embree, hierarchy, plan, pool, with_accel};
 use crate::render::tiles::{self, Plan};
 use crate::render::{Checkpoint, Kept, Phase, Progress, Rendered, Settings, State};
+use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, description};
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex};
@@ -17,7 +18,20 @@ use std::sync::{Arc, Mutex};
 pub struct Studio {
     threads: usize,
     pool: rayon::ThreadPool,
-    last: Option<(Arc<World>, Hierarchies)>,
+    last: Option<Last>,
+}
+
+/// The hierarchy of the last picture, and what it was built of and how.
+#[derive(Debug)]
+struct Last {
+    world: Arc<World>,
+    how: (description::BuildQuality, bool),
+    hierarchies: Hierarchies,
+}
+
+/// What of a scene says how hierarchies are built.
+fn how(scene: &Scene) -> (description::BuildQuality, bool) {
+    (scene.render.build_quality, scene.uses(Capability::RobustTraversal))
 }
 
 /// What finds hits, by what a scene may choose.
@@ -59,11 +73,13 @@ impl Studio {
             let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
             plan.begin = Mutex::new(Some(state));
         }
-        let backend = scene.render.backend;
-        let is_same =
-            |(world, last): &mut (_, Hierarchies)| Arc::ptr_eq(world, &scene.world) && last.is_of(backend);
-        let (last, build) = match self.last.take_if(is_same) {
-            Some((_, last)) => (last, Phase::default()),
+        let is_same = |last: &mut Last| {
+            Arc::ptr_eq(&last.world, &scene.world)
+                && last.how == how(scene)
+                && last.hierarchies.is_of(scene.render.backend)
+        };
+        let (hierarchies, build) = match self.last.take_if(is_same) {
+            Some(last) => (last.hierarchies, Phase::default()),
             None => {
                 // First the old one goes: both need not fit into memory.
                 self.last = None;
@@ -71,8 +87,8 @@ impl Studio {
                 (built?, build)
             }
         };
-        let rendered = last.trace(&plan, &self.pool);
-        self.last = Some((scene.world.clone(), last));
+        let rendered = hierarchies.trace(&plan, &self.pool);
+        self.last = Some(Last { world: scene.world.clone(), how: how(scene), hierarchies });
         let mut rendered = rendered?;
         rendered.statistics.build = build;
         rendered.statistics.threads = self.threads;

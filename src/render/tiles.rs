@@ -100,7 +100,8 @@ pub(super) fn trace<A: Accel, E: Engine>(plan: &Plan<'_>, accel: &A, engine: &E)
         Ok(())
     })?;
     let State { film, counters, course, spent, .. } = running.into_state();
-    Ok(Traced { film, counters, ended: course.ended(), estimate: course.estimate(), spent })
+    let (ended, estimate) = (course.ended(), course.estimate(&film));
+    Ok(Traced { film, counters, ended, estimate, spent })
 }
 
 /// The pass that is under way, or the next one, if there is one; how many seconds it has taken, and how many samples are expected in all.

@@ -47,6 +47,11 @@ pub(super) struct Found<F: Lanes> {
 }
 
 impl Cumulative {
+    /// Bytes of the tables.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&self.ends[..]) + size_of_val(&self.guide[..])
+    }
+
     /// No distribution yet of `cells` entries; room for `count`.
     pub(super) fn with_capacity(cells: usize, count: usize) -> Result<Self, TableError> {
         if cells > MAX_LEN {

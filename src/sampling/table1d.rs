@@ -59,6 +59,12 @@ impl Table1d {
     /// The greatest number of entries.
     pub const MAX_LEN: usize = MAX_LEN;
 
+    /// Bytes of the tables.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.cumulative.bytes()
+    }
+
     /// The distribution with these weights.
     ///
     /// # Errors

@@ -30,6 +30,12 @@ pub struct Picks2d<F: Lanes> {
 }
 
 impl Table2d {
+    /// Bytes of the tables.
+    #[must_use]
+    pub fn bytes(&self) -> usize {
+        self.rows.bytes() + self.columns.bytes()
+    }
+
     /// The distribution with these weights, row after row.
     ///
     /// # Errors

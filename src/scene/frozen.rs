@@ -7,6 +7,8 @@ use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
 use crate::scene::description::{Film, GlassShadows, Render};
+use crate::scene::needs::Asked;
+use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::texture::Bitmap;
 use glam::DVec3;
 use std::sync::Arc;
@@ -35,6 +37,12 @@ pub struct Scene {
     pub glass_shadows: GlassShadows,
     /// What placements and materials are called: by their own names, by the names in their files, or by their numbers.
     pub names: Names,
+    /// What the scene asks for, of whatever was forced.
+    pub(super) asked: Vec<Asked>,
+    /// The same as a set.
+    pub(super) required: Capabilities,
+    /// What is switched on although nobody asks.
+    pub(super) forced: Capabilities,
     pub(super) surfaces: Vec<Surface>,
     pub(super) environment: Option<LightId>,
 }
@@ -105,16 +113,45 @@ impl Scene {
         }
     }
 
+    /// Whether a capability is there, because something of the scene asks for it or because it was forced. What building left
+    /// out is not there whoever asks later.
+    #[inline]
+    #[must_use]
+    pub fn uses(&self, capability: Capability) -> bool {
+        self.required.has(capability) || self.forced.has(capability)
+    }
+
+    /// Whether something of the scene asks for a capability.
+    #[inline]
+    #[must_use]
+    pub fn requires(&self, capability: Capability) -> bool {
+        self.required.has(capability)
+    }
+
+    /// Whether a capability was switched on whether the scene asks for it or not.
+    #[inline]
+    #[must_use]
+    pub fn forces(&self, capability: Capability) -> bool {
+        self.forced.has(capability)
+    }
+
+    /// What the scene asks for, how often, and who first.
+    #[must_use]
+    pub fn asked(&self) -> &[Asked] {
+        &self.asked
+    }
+
     /// Whether anything moves while the shutter is open, the camera included.
     #[must_use]
     pub fn is_moving(&self) -> bool {
-        self.camera.is_moving() || self.world.is_moving()
+        use Capability::{MovingCamera, MovingPoses, MovingVertices};
+        [MovingCamera, MovingPoses, MovingVertices].into_iter().any(|it| self.uses(it))
     }
 
     /// Whether any surface shows a picture.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        !self.textures.is_empty()
+        self.uses(Capability::ImageTextures)
     }
 
     /// Bytes of memory that pictures on surfaces take.
@@ -126,6 +163,6 @@ impl Scene {
     /// Whether any surface bounds a transparent medium.
     #[must_use]
     pub fn has_media(&self) -> bool {
-        self.materials.iter().any(|material| material.medium().is_some())
+        self.uses(Capability::Media) || self.uses(Capability::Absorption)
     }
 }

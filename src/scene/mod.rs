@@ -11,11 +11,13 @@ mod identity;
 mod library;
 pub mod load;
 pub mod needs;
+pub mod pruned;
 mod record;
 pub mod schema;
 mod track;
+mod wanted;
 
-pub use build::{Built, build, build_from, retake};
+pub use build::{Built, build, build_for, build_from, retake};
 pub use description::{Description, Direct, GlassShadows};
 pub use fingerprint::fingerprint;
 pub use frozen::Scene;
@@ -23,4 +25,6 @@ pub use identity::{differences, digest_of_file, digest_of_files, files, identity
 pub use library::{Library, Reads, Stamp};
 pub use load::{Loaded, is_scene, load, load_batch, load_in};
 pub use needs::Needs;
+pub use pruned::Pruned;
 pub use schema::{schema, schema_of_batch};
+pub use wanted::Wanted;

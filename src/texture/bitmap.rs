@@ -181,6 +181,28 @@ impl Bitmap {
         self.has_alpha
     }
 
+    /// Red, green, blue and coverage where all texels have the same.
+    #[must_use]
+    pub fn constant(&self) -> [Option<f32>; 4] {
+        let mut found = self.texel::<f32>(0).map(Some);
+        // The first level alone: the others are means of it.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "sizes of pictures")]
+        let texels = self.widths[0] as u32 * self.heights[0] as u32;
+        for index in 1..texels {
+            let texel = self.texel::<f32>(index);
+            for (known, value) in found.iter_mut().zip(texel) {
+                #[expect(clippy::float_cmp, reason = "the same texel again")]
+                if known.is_some_and(|known| known != value) {
+                    *known = None;
+                }
+            }
+            if found.iter().all(Option::is_none) {
+                break;
+            }
+        }
+        found
+    }
+
     /// The mean of all texels: red, green, blue and coverage.
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {

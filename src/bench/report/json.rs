@@ -34,7 +34,8 @@ impl Report {
     }
 }
 
-fn machine(machine: &Machine, load_after: Option<f64>) -> Value {
+/// Where figures are from, and the load after they were taken.
+pub(crate) fn machine(machine: &Machine, load_after: Option<f64>) -> Value {
     json!({
         "processor": machine.processor,
         "processors": machine.processors,
@@ -50,7 +51,8 @@ fn machine(machine: &Machine, load_after: Option<f64>) -> Value {
     })
 }
 
-fn build(build: &Build) -> Value {
+/// How the program was built.
+pub(crate) fn build(build: &Build) -> Value {
     json!({
         "version": build.version,
         "commit": build.commit,

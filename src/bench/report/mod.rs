@@ -1,10 +1,10 @@
 //! Outcomes shown: as a table for people ([`Report::table`]), as JSON for programs ([`Report::json`]), and as one page with
 //! plots ([`Report::page`]).
 
-mod json;
-mod page;
-mod plot;
-mod table;
+pub(crate) mod json;
+pub(crate) mod page;
+pub(crate) mod plot;
+pub(crate) mod table;
 
 use super::machine::Machine;
 use super::outcome::{Agreement, Outcome, Rate};

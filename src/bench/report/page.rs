@@ -9,7 +9,8 @@ use crate::bench::query::{Mode, Query};
 use crate::bench::race::Spread;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-const STYLE: &str = "body{font:15px/1.45 sans-serif;margin:2em auto;max-width:75em;padding:0 1em;color:#222;background:#fff}\
+/// How pages look.
+pub(crate) const STYLE: &str = "body{font:15px/1.45 sans-serif;margin:2em auto;max-width:75em;padding:0 1em;color:#222;background:#fff}\
     h1,h2,h3{line-height:1.2}table{border-collapse:collapse;margin:.6em 0;font-size:13px}\
     td,th{padding:.15em .7em;text-align:right;border-bottom:1px solid #ddd;white-space:nowrap}\
     td:first-child,th:first-child{text-align:left}.wide{overflow-x:auto}svg{max-width:100%;height:auto}\
@@ -43,43 +44,50 @@ impl Report {
 
     /// Everything that figures depend on.
     fn facts(&self) -> Vec<(&'static str, String)> {
-        let Machine { processors, cores, mhz, max_mhz, caches, load, memory, system, isa, build, .. } =
-            &self.machine;
         let settings = &self.settings;
-        let number = |x: &Option<f64>| x.map_or_else(unknown, |x| format!("{x:.0}"));
         let list = |words: Vec<String>| words.join(", ");
-        let loads =
-            [*load, self.load_after].map(|load| load.map_or_else(unknown, |load| format!("{load:.2}")));
-        vec![
-            ("processor", self.machine.processor.clone()),
-            ("processors", processors.to_string()),
-            ("cores", cores.map_or_else(unknown, |cores| cores.to_string())),
-            ("clock now / highest, MHz", format!("{} / {}", number(mhz), number(max_mhz))),
-            ("caches", list(caches.clone())),
-            ("memory, MB", memory.map_or_else(unknown, |bytes| (bytes / 1_000_000).to_string())),
-            ("system", system.clone()),
-            ("load before / after", loads.join(" / ")),
-            ("instruction set of our own kernels", (*isa).to_owned()),
-            ("specula", build.version.to_owned()),
-            ("commit", build.commit.map_or_else(unknown, str::to_owned)),
-            ("compiler", build.rustc.to_owned()),
-            ("target, opt-level", format!("{}, {}", build.target, build.opt_level)),
-            ("flags beyond the package's", build.rustflags.to_owned()),
-            ("assertions for debugging", build.debug_assertions.to_string()),
+        let mut facts = facts(&self.machine, self.load_after);
+        facts.extend([
             ("passes that count, after one to warm up", settings.passes.to_string()),
             ("rays wanted per class", settings.rays.to_string()),
             ("threads", settings.threads.to_string()),
             ("classes", list(settings.classes.iter().map(|class| class.word().to_owned()).collect())),
             ("queries", list(settings.queries.iter().map(Query::to_string).collect())),
-        ]
+        ]);
+        facts
     }
+}
+
+/// What is known of a machine and a build, and the load after figures were taken.
+pub(crate) fn facts(machine: &Machine, load_after: Option<f64>) -> Vec<(&'static str, String)> {
+    let Machine { processors, cores, mhz, max_mhz, caches, load, memory, system, isa, build, .. } = machine;
+    let number = |x: &Option<f64>| x.map_or_else(unknown, |x| format!("{x:.0}"));
+    let loads = [*load, load_after].map(|load| load.map_or_else(unknown, |load| format!("{load:.2}")));
+    vec![
+        ("processor", machine.processor.clone()),
+        ("processors", processors.to_string()),
+        ("cores", cores.map_or_else(unknown, |cores| cores.to_string())),
+        ("clock now / highest, MHz", format!("{} / {}", number(mhz), number(max_mhz))),
+        ("caches", caches.join(", ")),
+        ("memory, MB", memory.map_or_else(unknown, |bytes| (bytes / 1_000_000).to_string())),
+        ("system", system.clone()),
+        ("load before / after", loads.join(" / ")),
+        ("instruction set of our own kernels", (*isa).to_owned()),
+        ("specula", build.version.to_owned()),
+        ("commit", build.commit.map_or_else(unknown, str::to_owned)),
+        ("compiler", build.rustc.to_owned()),
+        ("target, opt-level", format!("{}, {}", build.target, build.opt_level)),
+        ("flags beyond the package's", build.rustflags.to_owned()),
+        ("assertions for debugging", build.debug_assertions.to_string()),
+    ]
 }
 
 fn unknown() -> String {
     "unknown".to_owned()
 }
 
-fn pairs(pairs: &[(&str, String)]) -> Markup {
+/// A table of names and values.
+pub(crate) fn pairs(pairs: &[(&str, String)]) -> Markup {
     html! { table { @for (key, value) in pairs { tr { td { (key) } td { (value) } } } } }
 }
 

@@ -26,14 +26,15 @@ const COLOURS: [RGBColor; 4] =
     [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
 
 const WIDTH: u32 = 800;
-const FONT: (&str, u32) = ("sans-serif", 13);
+/// Of axes.
+pub(crate) const FONT: (&str, u32) = ("sans-serif", 13);
 
 fn colour(family: usize) -> RGBColor {
     COLOURS[family % COLOURS.len()]
 }
 
 /// A plot drawn by `fill`; a plot that cannot be drawn is a sentence that says so.
-fn drawn(
+pub(crate) fn drawn(
     height: u32,
     fill: impl FnOnce(&DrawingArea<SVGBackend<'_>, plotters::coord::Shift>) -> Drawn,
 ) -> String {
@@ -55,7 +56,7 @@ fn drawn(
 }
 
 /// Whether it worked, or why not, in words: the backend's errors borrow what it writes to.
-type Drawn = Result<(), String>;
+pub(crate) type Drawn = Result<(), String>;
 
 /// Horizontal bars from the top down, from zero, with a line from the lower to the upper end of their spread.
 pub(super) fn bars(axis: &str, bars: &[Bar]) -> String {

@@ -2,19 +2,20 @@
 
 use super::{NOTES, Report, agreements, name, rate, threads, ways};
 use crate::bench::agreement::Difference;
+use crate::bench::machine::Machine;
 use crate::bench::outcome::{Outcome, Rate};
 use crate::bench::query::Mode;
 use std::fmt::Write as _;
 
 /// Rows of words; the first is the heading. The first column is flush left.
-struct Grid(Vec<Vec<String>>);
+pub(crate) struct Grid(pub(crate) Vec<Vec<String>>);
 
 impl Grid {
-    fn new<S: Into<String>>(heading: impl IntoIterator<Item = S>) -> Self {
+    pub(crate) fn new<S: Into<String>>(heading: impl IntoIterator<Item = S>) -> Self {
         Self(vec![heading.into_iter().map(Into::into).collect()])
     }
 
-    fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let columns = self.0.iter().map(Vec::len).max().unwrap_or(0);
         let width = |column: usize| {
             let cells = self.0.iter().filter_map(move |row| row.get(column));
@@ -41,18 +42,7 @@ impl Report {
     /// For people: builds, rates and differing answers of each scene.
     #[must_use]
     pub fn table(&self) -> String {
-        let machine = &self.machine;
-        let build = machine.build;
-        let mut text = format!("{}, {}", machine.name(), machine.system);
-        if let Some(load) = machine.load {
-            let _ = write!(text, ", load {load:.2}");
-        }
-        let commit = build.commit.map_or_else(String::new, |commit| format!(" ({commit})"));
-        let _ = writeln!(
-            text,
-            "\nspecula {}{commit}, {}, opt-level {}",
-            build.version, build.rustc, build.opt_level
-        );
+        let mut text = place(&self.machine);
         for outcome in &self.outcomes {
             text += &scene(outcome);
         }
@@ -60,6 +50,19 @@ impl Report {
         NOTES.iter().for_each(|note| _ = writeln!(text, "{note}"));
         text
     }
+}
+
+/// Where figures are from, in two lines.
+pub(crate) fn place(machine: &Machine) -> String {
+    let build = machine.build;
+    let mut text = format!("{}, {}", machine.name(), machine.system);
+    if let Some(load) = machine.load {
+        let _ = write!(text, ", load {load:.2}");
+    }
+    let commit = build.commit.map_or_else(String::new, |commit| format!(" ({commit})"));
+    let _ =
+        writeln!(text, "\nspecula {}{commit}, {}, opt-level {}", build.version, build.rustc, build.opt_level);
+    text
 }
 
 fn scene(outcome: &Outcome) -> String {

@@ -101,7 +101,8 @@ pub struct Farmed {
 const NOT_PASSED_ON: [&str; 7] = ["scene", "output", "slice", "checkpoint", "resume", "half", "stats"];
 
 /// What `farm` refuses, and does not show therefore.
-const HIDDEN: [&str; 6] = ["frames", "slice", "checkpoint", "resume", "time_limit", "target_error"];
+const HIDDEN: [&str; 9] =
+    ["frames", "slice", "checkpoint", "resume", "time_limit", "target_error", "preset", "budget", "tradeoff"];
 
 impl Farmed {
     fn words_of(matches: &ArgMatches) -> Vec<OsString> {

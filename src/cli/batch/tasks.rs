@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use crate::cli::args::FIRST_PASS;
 use crate::cli::frames;
-use crate::cli::options::{BatchOptions, Checkpoints, Output, RenderOptions, check_target, layout, window};
+use crate::cli::options::{
+    BatchOptions, Checkpoints, Output, RenderOptions, Specialise, check_target, layout, window,
+};
 use crate::cli::statistics::quoted;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::Precision;
@@ -228,7 +230,10 @@ impl Planner<'_> {
             limits: Limits {
                 time: time.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
                 error: own.target_error.or(defaults.target_error),
+                is_estimated: false,
             },
+            specialise: Specialise::default(),
+            cost: None,
             precision: if own.half.or(defaults.half) == Some(true) {
                 Precision::Half
             } else {

@@ -36,7 +36,8 @@ impl<'a> Job<'a> {
     /// The picture of these options. Reads the scene with all that it names, so that what cannot be rendered or cut is known
     /// before anything is queued.
     pub(super) fn new(options: &'a FarmOptions) -> Result<Self> {
-        let frozen = Frozen::told(&options.picture.scene, &options.picture.overrides)?;
+        let frozen =
+            Frozen::told(&options.picture.scene, &options.picture.overrides, options.picture.wanted())?;
         let scene = &frozen.scene;
         let of = options.slices.unwrap_or_else(|| SLICES.min(scene.render.spp()));
         let settings = |index: u32| Settings {

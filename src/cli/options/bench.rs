@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::{check_target, given, is_same, on_command_line, spare, threads, twice};
+use super::{check_target, is_same, on_command_line, spare, threads, twice, whole};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
 use crate::error::{Problem, Problems, Result};
@@ -35,7 +35,7 @@ impl BenchOptions {
         let classes = chosen("class", &args.class, &Class::ALL, Class::word, &mut problems);
         let queries = queries(args, &mut problems);
         let number = |flag, text: &Option<String>, most, default, problems: &mut Problems| {
-            text.as_deref().and_then(|text| whole(flag, text, most, problems)).unwrap_or(default)
+            text.as_deref().and_then(|text| whole(flag, text, 1..=most, problems)).unwrap_or(default)
         };
         let [rays, passes] = if args.quick { [4096, 3] } else { [16384, 5] };
         let asked = args.threads.as_deref().and_then(|text| threads(text, &mut problems));
@@ -105,13 +105,6 @@ fn chosen<T: Copy>(
 fn unknown(flag: &str, word: &str, known: &[String]) -> Problem {
     let known: Vec<&str> = known.iter().map(String::as_str).collect();
     on_command_line(format!("`--{flag} {word}` is not known")).remedy(suggest(word, &known))
-}
-
-/// A whole number from 1 to `most`.
-fn whole(flag: &str, text: &str, most: usize, problems: &mut Problems) -> Option<usize> {
-    let number = text.trim().parse().ok().filter(|n| (1..=most).contains(n));
-    let remedy = || format!("give a whole number from 1 to {most}");
-    given(number, (flag, text), &format!("a number of {flag}"), remedy, problems)
 }
 
 fn check_files(args: &BenchArgs, problems: &mut Problems) {

@@ -124,6 +124,9 @@ fn whole(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
         frames: None,
         time_limit: None,
         target_error: None,
+        preset: None,
+        budget: None,
+        tradeoff: None,
         ..args.clone()
     }
 }
@@ -131,11 +134,14 @@ fn whole(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
 /// Refuses what cannot be merged, and what tasks have of their own.
 fn refuse(args: &RenderArgs, problems: &mut Problems) {
     let ends = "slices are parts of a number of samples that is known beforehand";
+    let found = "it chooses settings on the way, on each machine by itself";
     let own = "every task has its own";
     let by_spp = "say how many samples by --spp";
     let refused = [
         (args.time_limit.is_some(), "--time-limit", ends, by_spp),
         (args.target_error.is_some(), "--target-error", ends, by_spp),
+        (args.preset.is_some(), "--preset", found, by_spp),
+        (args.budget.is_some() || args.tradeoff.is_some(), "--budget", found, by_spp),
         (
             args.frames.is_some(),
             "--frames",

@@ -70,6 +70,8 @@ fn settings(args: &FuzzyArgs) -> Vec<String> {
         ("radius", &args.radius),
         ("window", &args.window),
         ("correction", &args.correction),
+        ("skip", &args.skip),
+        ("rejection", &args.rejection),
         ("table", &args.table),
         ("taps", &args.taps),
         ("pyramid", &args.pyramid),
@@ -96,10 +98,10 @@ mod tests {
 
     #[test]
     fn roughness_becomes_an_exponent_and_knobs_become_keys() {
-        let found =
-            options(&["Cargo.toml", "--roughness", "1", "--taps", "9", "--half", "off"]).expect("valid");
+        let knobs = ["--taps", "9", "--half", "off", "--skip", "false", "--rejection", "angle"];
+        let found = options(&[&["Cargo.toml", "--roughness", "1"], &knobs[..]].concat()).expect("valid");
         assert!((found.exponent.expect("given") - 300.0).abs() < 1.0, "{found:?}");
-        assert_eq!(found.settings, ["taps=9", "half=off"], "keys");
+        assert_eq!(found.settings, ["skip=false", "rejection=angle", "taps=9", "half=off"], "keys");
         assert_eq!(found.outputs[0].path.to_str(), Some("Cargo_fuzzy.exr"), "name");
     }
 

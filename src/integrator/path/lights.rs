@@ -1,44 +1,14 @@
 //! Which light a path asks.
 
 use crate::light::tree::{Drawn, Leaf};
-use crate::light::{Emitter, Environment, Light, LightId, LightTree, Reference};
+use crate::light::{Emitter, Light, LightId, LightTree, Reference};
 use crate::math::Vec3;
 use crate::math::lanes::{Compare, IntLanes, Isa, Kernel, Lanes, WIDEST};
 use crate::sampling::Table1d;
 use crate::scene::description::LightChoice;
+use crate::scene::needs::capability::Capability;
+use crate::scene::needs::{ChosenLights, is_asked};
 use crate::scene::{Direct, Scene};
-
-/// From how many emitters on a tree chooses among those that are somewhere: see `benches/record/lights.md`.
-const SEVERAL: usize = 2;
-
-/// How the light that is asked is chosen in a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChosenLights {
-    /// The way.
-    pub choice: LightChoice,
-    /// How many lights are asked; triangles of large meshes count each.
-    pub emitters: usize,
-}
-
-impl ChosenLights {
-    /// As the scene says, or as is best for as many emitters as it has.
-    #[must_use]
-    pub fn of(scene: &Scene) -> Self {
-        let direct = scene.render.direct;
-        let lights = || scene.lights.iter().filter(|light| is_asked(light, direct));
-        let somewhere = LightTree::count(lights());
-        let emitters = somewhere + lights().filter(|light| light.is_infinite()).count();
-        let best = if somewhere >= SEVERAL { LightChoice::Tree } else { LightChoice::Power };
-        Self { choice: scene.render.light_choice.unwrap_or(best), emitters }
-    }
-}
-
-/// An environment that is the same all around is not asked: directions of lobes find it as well, and cost no shadow ray.
-/// Where light is left to lobes, only those that lobes cannot find are asked.
-fn is_asked(light: &Light, direct: Direct) -> bool {
-    !matches!(light, Light::Environment(Environment::Constant(_)))
-        && (direct != Direct::Bsdf || light.is_delta())
-}
 
 /// The lights of a scene that are asked, and how one is chosen.
 #[derive(Debug)]
@@ -53,6 +23,8 @@ pub(super) struct Lights {
     probabilities: Vec<f32>,
     direct: Direct,
     tree: Option<LightTree>,
+    /// Whether the only one is chosen, too.
+    forced: bool,
 }
 
 /// The lights of some lanes.
@@ -90,7 +62,16 @@ impl Lights {
             probabilities[id.index()] = *chance;
         }
         let names = asked.iter().map(|id: &LightId| id.0).collect();
-        Self { asked, choice, names, chances, probabilities, direct: scene.render.direct, tree }
+        Self {
+            asked,
+            choice,
+            names,
+            chances,
+            probabilities,
+            direct: scene.render.direct,
+            tree,
+            forced: scene.forces(Capability::LightChoice),
+        }
     }
 
     /// Whether there is none to ask.
@@ -111,14 +92,14 @@ impl Lights {
     /// The only one, if no choice is needed.
     pub(super) fn only(&self) -> Option<LightId> {
         match self.asked[..] {
-            [only] if self.tree.is_none() => Some(only),
+            [only] if self.tree.is_none() && !self.forced => Some(only),
             _ => None,
         }
     }
 
     /// Whether normals of surfaces count in the choice.
     pub(super) fn uses_normals(&self) -> bool {
-        self.tree.is_some()
+        self.tree.is_some() || self.forced
     }
 
     /// Whether a light is asked by its triangles.

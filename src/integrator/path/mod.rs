@@ -24,7 +24,6 @@ mod surfaces;
 mod vertex;
 mod wave;
 
-pub use lights::ChosenLights;
 pub use wave::Wave;
 
 use crate::accel::{Accel, Active, Coherence, Packet, RayPacket};

@@ -5,6 +5,7 @@ use crate::material::{Material, Scattering};
 use crate::math::Rgb;
 use crate::math::lanes::{Bits, Compare, IntLanes, Isa, MaskLanes, WIDEST};
 use crate::scene::Scene;
+use crate::scene::needs::capability::Capability;
 use crate::texture::Texture;
 
 /// Stands for a shape whose primitives are of several materials.
@@ -26,8 +27,10 @@ pub(super) struct Surfaces {
     pub(super) reliefs: bool,
     /// Whether any leaves a choice of ways on.
     pub(super) choices: bool,
-    /// Whether any bounds a medium.
+    /// Whether media are followed.
     pub(super) media: bool,
+    /// Whether any bounds a medium, which may hide others.
+    pub(super) hides: bool,
     /// Whether any of these absorbs light.
     pub(super) absorbs: bool,
     /// Whether any is not the same in all directions.
@@ -48,18 +51,18 @@ impl Surfaces {
         let alike = alike.collect();
         let color = |material: &Material| flat_color(material).unwrap_or(Rgb::BLACK);
         let colors = scene.materials.iter().map(color).map(|Rgb { r, g, b }| [r, g, b]).collect();
-        let any = |has: fn(&Material) -> bool| scene.materials.iter().any(has);
         Self {
             materials,
             shines,
             alike,
             colors,
-            textured: any(Material::is_textured),
-            reliefs: any(|material| material.relief.is_some()),
-            choices: any(|material| material.scattering.has_choice()),
+            textured: scene.uses(Capability::Textures),
+            reliefs: scene.uses(Capability::Reliefs),
+            choices: scene.uses(Capability::LobeChoice),
             media: scene.has_media(),
-            absorbs: any(|m| m.medium().is_some_and(|medium| !medium.absorption.is_black())),
-            turns: any(|material| material.scattering.turn().is_some()),
+            hides: scene.requires(Capability::Media),
+            absorbs: scene.uses(Capability::Absorption),
+            turns: scene.uses(Capability::Anisotropy),
         }
     }
 

@@ -47,7 +47,7 @@ impl Surroundings<'_> {
     /// Whether asking lights has all that the ways on from here would find: they are the last ones, and nothing keeps rays towards
     /// lights from where paths get to, as surfaces hidden by media do.
     fn asks_for_all(&self, depth: u32) -> bool {
-        depth + 1 == self.max_depth && !self.surfaces.media && !self.lights.are_left_to_lobes()
+        depth + 1 == self.max_depth && !self.surfaces.hides && !self.lights.are_left_to_lobes()
     }
 }
 

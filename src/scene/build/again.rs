@@ -18,10 +18,16 @@ pub fn retake(scene: &mut Scene, before: &Description, after: &Description) -> b
         && before.materials == after.materials
         && before.shapes == after.shapes
         && before.lights == after.lights;
-    if is_same {
-        let film = after.film.clone();
-        scene.camera = camera::camera(&after.camera, origin, [film.width, film.height]);
-        scene.film = film;
+    if !is_same || !scene.forced.is_empty() {
+        return false;
     }
-    is_same
+    let film = after.film.clone();
+    let camera = camera::camera(&after.camera, origin, [film.width, film.height]);
+    // What the scene requires stays the same, too.
+    let asks_alike =
+        camera.is_moving() == scene.camera.is_moving() && camera.has_lens() == scene.camera.has_lens();
+    if asks_alike {
+        (scene.camera, scene.film) = (camera, film);
+    }
+    asks_alike
 }

@@ -18,6 +18,33 @@ pub(super) fn camera(camera: &description::Camera, origin: Origin, size: [u32; 2
     stand(camera, lens.is_some(), origin, size).with_lens(lens)
 }
 
+/// The camera at its viewpoint as the shutter opens, as one that moves but stays there.
+pub(super) fn held(camera: &description::Camera, origin: Origin, size: [u32; 2]) -> Option<Camera> {
+    let &description::Camera::Perspective {
+        from,
+        at,
+        up,
+        vfov_deg,
+        focus_distance,
+        lens_radius,
+        blades,
+        blade_rotation_deg,
+        ref keys,
+        ..
+    } = camera;
+    if !keys.is_empty() {
+        // What stands still though it has keys would be cut from them once more.
+        return None;
+    }
+    let lens = Lens::new(lens_radius, blades, blade_rotation_deg.to_radians());
+    let view = [Vec3::ZERO, (at - from).as_vec3(), unit(up.as_dvec3())];
+    let own = Viewpoint::new(view, vfov_deg.to_radians());
+    let focus = focus_distance.unwrap_or(own.focus);
+    let viewpoint = Viewpoint { eye: origin.place(from), focus, ..own };
+    let moving = MovingPinhole::new(vec![(0.0, viewpoint), (1.0, viewpoint)], size)?;
+    Some(Camera::from(moving).with_lens(lens))
+}
+
 /// The camera without its lens.
 fn stand(camera: &description::Camera, has_lens: bool, origin: Origin, size: [u32; 2]) -> Camera {
     let description::Camera::Perspective { from, at, up, vfov_deg, focus_distance, keys, .. } = camera;

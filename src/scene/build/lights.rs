@@ -25,17 +25,23 @@ impl Builder {
             match &light.value {
                 &Described::Point { position, intensity } => {
                     let position = self.origin.place(position);
-                    self.add_light(Light::Point(Point { position: position.into(), intensity }));
+                    self.add_light(
+                        Light::Point(Point { position: position.into(), intensity }),
+                        &light.place,
+                    );
                 }
                 &Described::Spot { position, at, intensity, angle_deg, softness } => {
                     let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
                     let axis = unit(at - position).into();
                     let position = self.origin.place(position).into();
-                    self.add_light(Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }));
+                    self.add_light(
+                        Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }),
+                        &light.place,
+                    );
                 }
                 &Described::Directional { direction, irradiance } => {
                     let direction = unit(direction.as_dvec3()).into();
-                    self.add_light(Light::Directional(Directional { direction, irradiance }));
+                    self.add_light(Light::Directional(Directional { direction, irradiance }), &light.place);
                 }
                 &Described::Rectangle { center, edge_u, edge_v, radiance } => {
                     let center = self.origin.place(center);
@@ -79,7 +85,7 @@ impl Builder {
         let material = self.add_material(name, material);
         let shape = self.world.add_shape(shape);
         let placement = self.place(shape, None, vec![material], origin);
-        self.surfaces[placement.index()].light = self.add_light(light);
+        self.surfaces[placement.index()].light = self.add_light(light, origin);
     }
 
     fn add_mesh_light(
@@ -141,7 +147,7 @@ impl Builder {
                 }
             }
         };
-        self.environment = self.add_light(Light::Environment(environment));
+        self.environment = self.add_light(Light::Environment(environment), place);
     }
 }
 

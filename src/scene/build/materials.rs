@@ -6,33 +6,58 @@ use crate::error::Problem;
 use crate::material::{Emission, Facets, Layer, Material, Medium, Scattering, conductors};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
+use crate::scene::build::pruning::UNUSED;
 use crate::scene::description::{self, MixPart, Named, Optics, PerTangent, Roughness};
+use crate::scene::pruned::Ineffective;
 use crate::texture::Texture;
+use std::collections::HashSet;
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
 const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
 
 impl Builder {
-    pub(super) fn add_materials(&mut self, materials: &[Named<description::Material>]) {
-        let plain: Vec<Option<Material>> = materials.iter().map(|named| self.plain(named)).collect();
-        for (named, own) in materials.iter().zip(&plain) {
-            let material = own.clone().unwrap_or_else(|| self.mix(named, materials, &plain));
+    /// Adds materials; of those that are not among the `referenced`, where these are known, only the names.
+    pub(super) fn add_materials(
+        &mut self,
+        materials: &[Named<description::Material>],
+        referenced: Option<&HashSet<&str>>,
+    ) {
+        let is_used =
+            |named: &Named<_>| referenced.is_none_or(|referenced| referenced.contains(named.name.as_str()));
+        let plain: Vec<Option<Material>> =
+            materials.iter().map(|named| if is_used(named) { self.plain(named) } else { None }).collect();
+        for (named, own) in materials.iter().zip(plain.iter().cloned()) {
+            let material = if is_used(named) {
+                own.unwrap_or_else(|| self.placed_at(named, |own| own.mix(named, materials, &plain)))
+            } else {
+                self.prune(Ineffective::Material, format!("`{}`", named.name), Some(&named.place));
+                UNUSED
+            };
             let id = self.add_material(named.name.clone(), material);
             self.named.insert(named.name.clone(), id);
         }
     }
 
-    /// A material that is no mix, its warnings placed at its name.
+    /// What comes of a material, of which warnings and what was left out are placed at its name.
+    fn placed_at<T>(&mut self, named: &Named<description::Material>, make: impl FnOnce(&mut Self) -> T) -> T {
+        let (warnings, pruned) = (self.warnings.len(), self.pruned.len());
+        let made = make(self);
+        for warning in &mut self.warnings[warnings..] {
+            warning.place.get_or_insert_with(|| named.place.clone());
+        }
+        for pruned in &mut self.pruned[pruned..] {
+            pruned.what = format!("`{}`: {}", named.name, pruned.what);
+            pruned.place.get_or_insert_with(|| named.place.clone());
+        }
+        made
+    }
+
+    /// A material that is no mix.
     fn plain(&mut self, named: &Named<description::Material>) -> Option<Material> {
         if let description::Scattering::Mix { .. } = named.value.scattering {
             return None;
         }
-        let before = self.warnings.len();
-        let material = self.material(&named.value);
-        for warning in &mut self.warnings[before..] {
-            warning.place.get_or_insert_with(|| named.place.clone());
-        }
-        Some(material)
+        Some(self.placed_at(named, |own| own.material(&named.value)))
     }
 
     fn mix(
@@ -48,6 +73,10 @@ impl Builder {
         for MixPart { material, weight } in parts {
             let found = materials.iter().position(|other| other.name == material.value);
             match found.and_then(|index| plain[index].as_ref()) {
+                Some(part) if part.emission.is_none() && weight.is_black() && self.prunes => {
+                    let what = format!("`{}` has a weight of zero", material.value);
+                    self.prune(Ineffective::Lobe, what, Some(&material.place));
+                }
                 Some(part) if part.emission.is_none() => {
                     if part.relief.is_some() || part.opacity.is_some() {
                         let what = format!(
@@ -77,7 +106,9 @@ impl Builder {
             let remedy = "let one part at most be a `dielectric`";
             self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
         }
-        self.finished(Scattering::Mix(layers), &named.value)
+        let is_empty = layers.is_empty() && self.prunes;
+        let scattering = if is_empty { Scattering::Black } else { Scattering::Mix(layers) };
+        self.finished(scattering, &named.value)
     }
 
     pub(super) fn material(&mut self, material: &description::Material) -> Material {
@@ -100,6 +131,7 @@ impl Builder {
             return Material { emission, ..self.finished(Scattering::Black, material) };
         }
         let scattering = self.matt(&material.scattering).unwrap_or_else(|| self.shiny(&material.scattering));
+        let scattering = self.without_empty_lobes(scattering);
         self.finished(scattering, material)
     }
 
@@ -109,8 +141,9 @@ impl Builder {
             description::Scattering::Emission { .. } => None,
             _ => shining(self.colored(&described.emission, f32::INFINITY), false),
         };
-        let relief = self.relief(described);
+        let relief = self.relief(described).and_then(|relief| self.unless_even(relief));
         let opacity = described.opacity.as_ref().and_then(|image| self.opacity(image));
+        let opacity = opacity.and_then(|opacity| self.unless_whole(opacity));
         Material { scattering, emission, relief, opacity }
     }
 
@@ -129,7 +162,7 @@ impl Builder {
             }
             Described::Glossy { exponent, reflectance, diffuse, .. } if self.jitters => {
                 // As sharp as the lobe straight on: angles double at a mirror.
-                let lobe = Jitter { reflectance: *reflectance, exponent: 4.0 * exponent + 3.0 };
+                let lobe = Jitter { reflectance: *reflectance, exponent: (4.0 * exponent + 3.0).min(1e9) };
                 Scattering::Jitter { lobe, base: self.texture(diffuse) }
             }
             Described::Glossy { exponent, reflectance, diffuse, below } => {
@@ -215,6 +248,11 @@ impl Builder {
             Roughness::Constant(widths) => facets(*widths, distribution, rotate_deg),
             Roughness::Image(image) => {
                 let width = self.scalar(image, "the surface is left polished")?;
+                if let Some(width) = self.constant(&width) {
+                    self.prune(Ineffective::Texture, "a roughness that is the same everywhere", None);
+                    let distribution = spread(distribution, [width; 2]);
+                    return Some(Facets { distribution, turn: None, width: None });
+                }
                 let distribution = spread(distribution, [SMOOTHEST; 2]);
                 Some(Facets { distribution, turn: None, width: Some(width) })
             }

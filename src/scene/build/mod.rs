@@ -3,14 +3,19 @@
 //!
 //! What the scene does not need is left out: shapes that stand still in one place, if only while the shutter is open, are
 //! moved there once instead of being instanced, lights without power are dropped, shadow rays look for glass only where there is some.
+//! [`build_for`] leaves out more, by what is wanted: attributes of vertices that nobody reads, and what has no effect
+//! (`pruning`); or switches on what nobody needs (`forced`).
 
 mod again;
+mod attributes;
 mod camera;
 mod cut_outs;
+mod forced;
 mod forms;
 mod lights;
 mod materials;
 mod origin;
+mod pruning;
 mod shapes;
 mod shutter;
 mod steps;
@@ -26,12 +31,16 @@ use crate::film::Names;
 use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
-use crate::scene::Scene;
 use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
 use crate::scene::library::Library;
+use crate::scene::needs::capability::{Capabilities, Capability};
+use crate::scene::needs::count::{self, Places};
+use crate::scene::pruned::{Ineffective, Pruned};
+use crate::scene::{Scene, Wanted};
 use glam::{DVec3, Vec3};
 use origin::Origin;
+use pruning::Meshes;
 use shutter::Shutter;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -49,48 +58,78 @@ pub struct Built {
     pub files: Vec<PathBuf>,
     /// What was odd, but not wrong.
     pub warnings: Vec<Problem>,
+    /// What had no effect, and was left out.
+    pub pruned: Vec<Pruned>,
     /// Those of the warnings that are about pictures that the description names itself and that could not be read.
     pub unread: Vec<Problem>,
 }
 
-/// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
+/// Reads the files that `description` names and freezes the scene, for whatever may be asked of it. Fails with all problems of all
+/// files.
 pub fn build(description: &Description) -> Result<Built> {
-    build_from(description, &Arc::default())
+    build_for(description, &Wanted::anything())
+}
+
+/// As [`build`], for what is wanted: what that does not need is left out. Files of materials that nothing is made of are then not
+/// read, so faults in these are not found.
+pub fn build_for(description: &Description, wanted: &Wanted) -> Result<Built> {
+    build_from(description, wanted, &Arc::default())
 }
 
 /// The same, with what a library has of its files.
-pub fn build_from(description: &Description, library: &Arc<Library>) -> Result<Built> {
+pub fn build_from(description: &Description, wanted: &Wanted, library: &Arc<Library>) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
-    let library = library.clone();
-    let mut builder = Builder { library, shutter, origin, fresnel, jitters, ..Builder::default() };
-    builder.add_materials(&description.materials);
+    let (prunes, library) = (wanted.prunes, library.clone());
+    let mut builder = Builder { library, shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
+    let referenced = prunes.then(|| pruning::referenced(description));
+    builder.add_materials(&description.materials, referenced.as_ref());
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
     builder.cut_holes();
+    builder.drop_attributes(wanted, &description.render);
     let film = description.film.clone();
-    let camera = camera::camera(&description.camera, origin, [film.width, film.height]);
-    let has_glass = builder.materials.iter().any(|material| material.scattering.is_clear());
-    let glass_shadows = if has_glass { description.render.glass_shadows } else { GlassShadows::Opaque };
+    let size = [film.width, film.height];
+    let camera = camera::camera(&description.camera, origin, size);
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
-    let scene = Scene {
+    let mut scene = Scene {
         world: Arc::new(builder.world),
         materials: builder.materials,
-        textures: builder.textures.into_bitmaps(),
+        textures: builder.textures.into_bitmaps(prunes),
         lights: builder.lights,
         camera,
         origin: origin.0,
         film,
         render: description.render.clone(),
-        glass_shadows,
+        glass_shadows: GlassShadows::Opaque,
         surfaces: builder.surfaces,
         names: builder.names,
         environment: builder.environment,
+        asked: Vec::new(),
+        required: Capabilities::NONE,
+        forced: wanted.forced,
     };
-    let Builder { origins, warnings, unread, problems, .. } = builder;
-    problems.into_result(Built { scene, origins, files, warnings, unread })
+    let places = Places {
+        placements: &builder.origins,
+        lights: &builder.light_places,
+        camera: &description.camera.place,
+    };
+    scene.asked = count::asked(&scene, places);
+    scene.required = count::set(&scene.asked);
+    let scene = forced::force(scene, (&description.camera, origin));
+    let Builder { origins, warnings, unread, pruned, problems, .. } = builder;
+    problems.into_result(Built { scene: looking_for_glass(scene), origins, files, warnings, unread, pruned })
+}
+
+/// The scene whose shadow rays look for glass if there is any, and if it says so.
+fn looking_for_glass(scene: Scene) -> Scene {
+    let has_glass =
+        count::materials_in_use(&scene).any(|(id, _)| scene.materials[id.index()].scattering.is_clear());
+    let looks = has_glass || scene.forces(Capability::GlassShadows);
+    let glass_shadows = if looks { scene.render.glass_shadows } else { GlassShadows::Opaque };
+    Scene { glass_shadows, ..scene }
 }
 
 /// A scene under way.
@@ -112,12 +151,18 @@ struct Builder {
     /// The scene's own materials; those of mesh files cannot be named.
     named: HashMap<String, MaterialId>,
     lights: Vec<Light>,
+    /// Where each was described.
+    light_places: Vec<Place>,
     environment: Option<LightId>,
+    meshes: Meshes,
     textures: Textures,
     /// Files of materials.
     files: Vec<PathBuf>,
     problems: Problems,
     warnings: Vec<Problem>,
+    /// Whether what has no effect is left out.
+    prunes: bool,
+    pruned: Vec<Pruned>,
     /// Warnings of pictures that were not read.
     unread: Vec<Problem>,
 }
@@ -131,12 +176,14 @@ impl Builder {
     }
 
     /// Adds a light, unless it is without power.
-    fn add_light(&mut self, light: Light) -> Option<LightId> {
+    fn add_light(&mut self, light: Light, place: &Place) -> Option<LightId> {
         if light.power(1.0) <= 0.0 {
+            self.prune(Ineffective::Light, "never asked", Some(place));
             return None;
         }
         let id = LightId(number(self.lights.len()));
         self.lights.push(light);
+        self.light_places.push(place.clone());
         Some(id)
     }
 

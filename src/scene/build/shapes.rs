@@ -4,11 +4,13 @@ use crate::error::{Place, Problem};
 use crate::geometry::{Disc, PlacementId, Pose, Shape, ShapeId, Sphere};
 use crate::light::{Area, DiscArea, Light, MeshArea, SphereLight};
 use crate::material::{Emission, MaterialId};
+use crate::scene::build::textures::canonical;
 use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::library::{self, Made};
 use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
+use crate::scene::pruned::Ineffective;
 use crate::scene::track::Track;
 use glam::{DAffine3, DVec3, Vec2};
 use std::collections::{HashMap, HashSet};
@@ -41,8 +43,11 @@ impl Builder {
     pub(super) fn add_shapes(&mut self, shapes: &[Located<description::Shape>]) {
         let by_name: HashMap<&str, &Located<description::Shape>> =
             shapes.iter().filter_map(|shape| Some((shape.name.as_ref()?.value.as_str(), shape))).collect();
+        // Instances that are not seen need nothing to be an instance of.
+        let prunes = self.prunes;
         let instanced: HashSet<&str> = shapes
             .iter()
+            .filter(|shape| !(prunes && shape.hidden))
             .filter_map(|shape| match &shape.form {
                 Form::Instance { of } => Some(root_of(&by_name, &of.value)),
                 _ => None,
@@ -54,6 +59,8 @@ impl Builder {
             let name = shape.name.as_ref().map(|name| name.value.as_str());
             let is_prototype = name.is_some_and(|name| instanced.contains(name));
             if shape.hidden && !is_prototype {
+                let what = format!("`{}` is hidden and has no instance that is seen", name_of(shape, number));
+                self.prune(Ineffective::Object, what, Some(&shape.place));
                 continue;
             }
             if let Some(prototype) = self.add_shape(shape, is_prototype)
@@ -63,9 +70,18 @@ impl Builder {
             }
             self.name(name_of(shape, number));
         }
-        let is_seen =
-            |shape: &description::Shape| matches!(shape.form, Form::Instance { .. }) && !shape.hidden;
-        for (number, shape) in numbered().filter(|(_, shape)| is_seen(shape)) {
+        for (number, shape) in numbered().filter(|(_, shape)| matches!(shape.form, Form::Instance { .. })) {
+            if shape.hidden {
+                // One that only others are instances of is a step on their way.
+                let name = shape.name.as_ref().map(|name| name.value.as_str());
+                if !shapes.iter().any(
+                    |other| matches!(&other.form, Form::Instance { of } if Some(of.value.as_str()) == name),
+                ) {
+                    let what = format!("`{}` is a hidden instance", name_of(shape, number));
+                    self.prune(Ineffective::Object, what, Some(&shape.place));
+                }
+                continue;
+            }
             self.add_instance(shape, &by_name, &prototypes);
             self.name(name_of(shape, number));
         }
@@ -85,6 +101,13 @@ impl Builder {
             return Some(Prototype { shape, materials, way });
         }
         let placed = self.placed(&way, &shape, &described.place)?;
+        if self.is_hole(&materials, &described.place) {
+            if !is_prototype {
+                return None;
+            }
+            let shape = self.world.add_shape(shape);
+            return Some(Prototype { shape, materials, way });
+        }
         if !is_prototype
             && let Placed::Still(map) = placed
             && let Some(moved) = forms::moved(&shape, &map)
@@ -126,6 +149,9 @@ impl Builder {
             Some(id) => vec![id; prototype.materials.len()],
             None => prototype.materials.clone(),
         };
+        if self.is_hole(&materials, &described.place) {
+            return;
+        }
         let placement = self.place(prototype.shape, placed, materials, &described.place);
         self.light_up(placement, &described.place);
     }
@@ -168,6 +194,15 @@ impl Builder {
         }
     }
 
+    /// Whether nothing is there of what is made of these materials.
+    fn is_hole(&mut self, materials: &[MaterialId], place: &Place) -> bool {
+        let is_hole = self.is_invisible(materials);
+        if is_hole {
+            self.prune(Ineffective::Object, "its opacity is below a half everywhere", Some(place));
+        }
+        is_hole
+    }
+
     fn make(&mut self, described: &Located<description::Shape>) -> Option<Formed> {
         let own = described.material.as_ref().and_then(|name| self.material_named(&name.value));
         if let &Form::Mesh { ref file, normals, crease_deg } = &described.form {
@@ -204,6 +239,11 @@ impl Builder {
     ) -> Option<Arc<LoadedMesh>> {
         let (shading, is_moved) = (shading.into(), self.origin.is_moved());
         let about = if is_moved { About::Middle } else { About::Needed };
+        let path = canonical(&file.value);
+        if let Some(known) = self.meshes.known(&path, shading, about).filter(|_| self.prunes) {
+            self.prune_mesh(file, &known.mesh);
+            return Some(known);
+        }
         let form = library::Form::Mesh(shading.normals, shading.crease_deg.to_bits(), is_moved);
         let library = self.library.clone();
         let loaded = library.thing(&file.value, form, || {
@@ -211,9 +251,12 @@ impl Builder {
             Ok(Made { bytes: thing.mesh.bytes(), more: thing.libraries.clone(), thing })
         });
         match loaded {
-            Ok(loaded) => {
+            Ok(mut loaded) => {
                 self.warnings.extend(loaded.warnings.iter().cloned());
                 self.files.extend(loaded.libraries.iter().cloned());
+                if self.prunes && self.meshes.note((path, shading, about), &mut loaded) {
+                    self.prune_mesh(file, &loaded.mesh);
+                }
                 Some(loaded)
             }
             Err(error) => {
@@ -282,7 +325,7 @@ impl Builder {
             return self.problems.push(problem.remedy("take its `opacity` or its emission away"));
         }
         match self.light_at(placement, emission) {
-            Ok(light) => self.surfaces[placement.index()].light = self.add_light(light),
+            Ok(light) => self.surfaces[placement.index()].light = self.add_light(light, place),
             Err(what) => self.problems.push(Problem::at(place.clone(), what)),
         }
     }

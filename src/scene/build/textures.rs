@@ -32,8 +32,12 @@ impl Textures {
         self.known.keys().map(|(path, _)| path.as_path())
     }
 
-    pub(super) fn into_bitmaps(self) -> Vec<Arc<Bitmap>> {
-        self.bitmaps
+    /// All of them; of those that nobody shows, `prunes` leaves none.
+    pub(super) fn into_bitmaps(self, prunes: bool) -> Vec<Arc<Bitmap>> {
+        let Self { known, mut bitmaps, .. } = self;
+        drop(known);
+        bitmaps.retain(|bitmap| !prunes || Arc::strong_count(bitmap) > 1);
+        bitmaps
     }
 }
 
@@ -55,7 +59,7 @@ impl Builder {
     /// A texture of which no channel exceeds a limit. Where its file cannot be read, what reflects is middle gray, and what would
     /// shine, which has no limit, is black.
     pub(super) fn colored(&mut self, texture: &description::Texture, limit: f32) -> Texture {
-        match texture {
+        let texture = match texture {
             description::Texture::Constant(color) => Texture::Constant(*color),
             description::Texture::Checker(checker) => {
                 Texture::Checker { colors: checker.checker, repeat: checker.repeat.into() }
@@ -69,7 +73,8 @@ impl Builder {
                     None => Texture::Constant(fallback),
                 }
             }
-        }
+        };
+        self.as_constant(texture)
     }
 
     /// A number that varies over a surface; `without` says what becomes of it where the file cannot be read.
@@ -207,7 +212,7 @@ impl Builder {
 }
 
 /// The one name of a file.
-fn canonical(path: &Path) -> PathBuf {
+pub(super) fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_owned())
 }
 

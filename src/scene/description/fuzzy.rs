@@ -53,7 +53,8 @@ choice! {
         "lobe" => Lobe,
         /// Under `whitted` and `distribution`: by one ray of an ideal mirror and a filter over the picture, for the first surface seen.
         "two-pass" => TwoPass,
-        /// By an ideal mirror whose normal trembles: `glossy` materials become `jitter` ones that are as sharp straight on.
+        /// By an ideal mirror whose normal trembles: `glossy` materials become `jitter` ones that are as sharp straight on. `phong` materials stay as
+        /// they are, by rays within the lobe: what they reflect changes with the angle, which a mirror whose normal trembles cannot.
         "jitter" => Jitter,
     }
 }

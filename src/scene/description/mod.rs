@@ -36,7 +36,9 @@ pub use fuzzy::{
 };
 pub use light::{Light, Sky};
 pub use material::{Distribution, Material, MixPart, Optics, Scattering};
-pub use render::{Backend, Direct, GlassShadows, Integrator, LightChoice, Query, Render, Sampler, View};
+pub use render::{
+    Backend, BuildQuality, Direct, GlassShadows, Integrator, LightChoice, Query, Render, Sampler, View,
+};
 pub use shape::{Form, HeightNormals, Normals, Shape, ShapeKey, Step};
 pub use texture::{Bump, Checker, ImageTexture, Lie, NormalMap, Roughness, ScalarTexture, Texture};
 

@@ -35,6 +35,10 @@ record! {
         split_depth: u32 = 1, min(0.0), max(64.0);
         /// What finds hits.
         backend: Backend = Backend::Embree;
+        /// How long Embree builds for the sake of fewer steps of rays.
+        build_quality: BuildQuality = BuildQuality::Medium;
+        /// Whether Embree avoids what loses accuracy: rays that meet an edge exactly do not slip through; costs about a quarter of its speed.
+        robust: bool = false;
         /// Where samples fall.
         sampler: Sampler = Sampler::Sobol;
         /// How reflectance depends on the angle, in materials that do not say so themselves.
@@ -149,6 +153,18 @@ choice! {
         "cwbvh" => CwBvh,
         /// Every primitive is tested against every ray: slow, for checking the others.
         "brute" => Brute,
+    }
+}
+
+choice! {
+    /// How long Embree builds for the sake of fewer steps of rays.
+    pub enum BuildQuality {
+        /// By Morton codes: built soonest, traced slowest.
+        "low" => Low,
+        /// By the surface area heuristic in bins.
+        "medium" => Medium,
+        /// With triangles cut in two where that helps; as `medium` where it is to be robust.
+        "high" => High,
     }
 }
 

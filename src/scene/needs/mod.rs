@@ -1,21 +1,28 @@
-//! What a scene requires: each capability with how often it is asked for and by whom first, and what is odd about sizes and
-//! positions.
+//! What a scene requires: each capability with how often it is asked for and by whom first, what that takes or what leaving
+//! it out saves, what had no effect and was left out, and what is odd about sizes, positions and materials.
 //!
-//! Nothing here changes what is rendered: it tells what building and rendering do by themselves.
+//! The list is made once, when a scene is frozen ([`count`]), and everything else goes by it: building, integrators
+//! and backends ask [`Scene::uses`], which answers from this list and from what was forced.
 
-use crate::error::{Place, Problem};
-use crate::geometry::{PlacementId, Pose, Shape};
-use crate::light::Light;
-use crate::material::{MaterialId, Scattering};
-use crate::math::Aabb;
-use crate::scene::Scene;
-use crate::scene::needs::capability::Capability;
-use std::collections::BTreeSet;
-
+mod bytes;
 pub mod capability;
+pub(in crate::scene) mod count;
+mod lights;
+pub mod measured;
 mod warnings;
 
+pub use bytes::Bytes;
+pub use count::Asked;
+pub use lights::{ChosenLights, is_asked};
 pub use warnings::length;
+
+use crate::error::{Place, Problem};
+use crate::geometry::Shape;
+use crate::math::Aabb;
+use crate::scene::description::FuzzyBy;
+use crate::scene::needs::capability::Capability;
+use crate::scene::{Scene, Wanted};
+use measured::Measured;
 
 /// One capability, and who asks for it.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,6 +33,20 @@ pub struct Need {
     pub count: usize,
     /// Who asks first; absent where nobody does or nobody can be named.
     pub first: Option<Place>,
+    /// Whether it is switched on although nobody asks.
+    pub forced: bool,
+    /// Memory that it takes, and that leaving it out saves.
+    pub bytes: Bytes,
+    /// How much time leaving it out saves, where that was measured.
+    pub time: Option<Measured>,
+}
+
+impl Need {
+    /// Whether it is there.
+    #[must_use]
+    pub fn is_used(&self) -> bool {
+        self.count > 0 || self.forced
+    }
 }
 
 /// What a scene contains and requires.
@@ -45,42 +66,29 @@ pub struct Needs {
     pub lights: usize,
     /// A box around everything that can be hit.
     pub bounds: Aabb,
-    /// Bytes of vertices and indices.
+    /// Bytes of vertices and indices; arrays that several meshes share count once.
     pub mesh_bytes: usize,
     /// Pictures on surfaces, each counted once.
     pub textures: usize,
     /// Bytes of them, all sizes counted.
     pub texture_bytes: usize,
-    /// What is odd about sizes and positions.
-    pub warnings: Vec<Problem>,
 }
 
 impl Needs {
-    /// Those of a scene; `origins` says for each placement where it was described.
+    /// Those of a scene, of which so much is wanted.
     #[must_use]
-    pub fn of(scene: &Scene, origins: &[Place]) -> Self {
-        let mut count = Count::default();
-        count.shapes(scene, origins);
-        count.materials(scene, origins);
-        count.lights(scene, origins);
-        count.add(Capability::MovingCamera, usize::from(scene.camera.is_moving()), None);
-        count.add(Capability::Lens, usize::from(scene.camera.has_lens()), None);
-        let meshes = scene.world.shapes.iter().filter_map(|shape| match shape {
-            Shape::Mesh(mesh) => Some(mesh.bytes()),
-            _ => None,
-        });
+    pub fn of(scene: &Scene, wanted: &Wanted) -> Self {
         Self {
-            capabilities: count.into_needs(),
+            capabilities: Capability::ALL.into_iter().map(|it| need(scene, wanted, it)).collect(),
             placements: scene.world.placements.len(),
             shapes: scene.world.shapes.len(),
             primitives: scene.world.primitive_count(),
-            materials: materials_in_use(scene).count(),
+            materials: count::materials_in_use(scene).count(),
             lights: scene.lights.len(),
             bounds: scene.world.bounds(),
-            mesh_bytes: meshes.sum(),
+            mesh_bytes: bytes::of_meshes(scene),
             textures: scene.textures.len(),
             texture_bytes: scene.texture_bytes(),
-            warnings: warnings::of(scene, origins),
         }
     }
 
@@ -89,120 +97,53 @@ impl Needs {
     pub fn count(&self, capability: Capability) -> usize {
         self.capabilities.iter().find(|need| need.capability == capability).map_or(0, |need| need.count)
     }
-}
 
-/// Capabilities as they are met.
-#[derive(Debug, Default)]
-struct Count {
-    met: Vec<(Capability, usize, Option<Place>)>,
-}
-
-impl Count {
-    fn add(&mut self, capability: Capability, by: usize, origin: Option<&Place>) {
-        if by == 0 {
-            return;
-        }
-        match self.met.iter_mut().find(|(known, _, _)| *known == capability) {
-            Some((_, count, _)) => *count += by,
-            None => self.met.push((capability, by, origin.cloned())),
-        }
-    }
-
-    fn shapes(&mut self, scene: &Scene, origins: &[Place]) {
-        let mut seen = BTreeSet::new();
-        for (index, placement) in scene.world.placements.iter().enumerate() {
-            let origin = origins.get(index);
-            if seen.insert(placement.shape) {
-                self.shape(&scene.world.shapes[placement.shape.index()], origin);
-                let is_filtered = scene.world.filters.contains_key(&placement.shape);
-                self.add(Capability::CutOuts, usize::from(is_filtered), origin);
-            }
-            match &placement.pose {
-                Pose::World => {}
-                Pose::Still(_) => self.add(Capability::Instances, 1, origin),
-                Pose::Moving(_) => self.add(Capability::MovingPoses, 1, origin),
-            }
-            self.add(Capability::Masks, usize::from(placement.mask != u32::MAX), origin);
-        }
-    }
-
-    fn shape(&mut self, shape: &Shape, origin: Option<&Place>) {
-        match shape {
-            Shape::Mesh(mesh) => {
-                self.add(Capability::Triangles, mesh.triangles().len(), origin);
-                self.add(Capability::ShadingNormals, usize::from(mesh.has_normals()), origin);
-                self.add(Capability::SurfaceParameters, usize::from(mesh.has_uvs()), origin);
-                self.add(Capability::MovingVertices, usize::from(mesh.key_count() > 1), origin);
-            }
-            Shape::Sphere(_) => self.add(Capability::Spheres, 1, origin),
-            Shape::Disc(_) => self.add(Capability::Discs, 1, origin),
-            Shape::Surface(surface) => {
-                self.add(Capability::Surfaces, surface.primitive_count() as usize, origin);
-                self.add(Capability::MovingVertices, usize::from(surface.is_moving()), origin);
-            }
-        }
-    }
-
-    /// Materials, each counted once and named by the first shape made of it.
-    fn materials(&mut self, scene: &Scene, origins: &[Place]) {
-        for (id, placement) in materials_in_use(scene) {
-            let has_images = scene.materials[id.index()].has_images();
-            self.add(Capability::ImageTextures, usize::from(has_images), origins.get(placement.index()));
-            for part in scene.materials[id.index()].scattering.parts() {
-                for capability in capabilities(part) {
-                    self.add(*capability, 1, origins.get(placement.index()));
-                }
-            }
-        }
-    }
-
-    fn lights(&mut self, scene: &Scene, origins: &[Place]) {
-        for (id, light) in (0..).zip(&scene.lights) {
-            let capability = match light {
-                _ if light.is_delta() => Capability::PointLights,
-                Light::Environment(_) => Capability::Environment,
-                _ => Capability::AreaLights,
-            };
-            let placement = scene.surfaces.iter().position(|s| s.light.is_some_and(|own| own.0 == id));
-            self.add(capability, 1, placement.and_then(|index| origins.get(index)));
-        }
-    }
-
-    fn into_needs(mut self) -> Vec<Need> {
-        let mut take = |capability| {
-            let found = self.met.iter_mut().find(|(known, _, _)| *known == capability);
-            let (count, first) = found.map_or((0, None), |(_, count, first)| (*count, first.take()));
-            Need { capability, count, first }
-        };
-        Capability::ALL.into_iter().map(&mut take).collect()
+    /// Whether a capability is there: asked for, or forced.
+    #[must_use]
+    pub fn uses(&self, capability: Capability) -> bool {
+        self.capabilities.iter().any(|need| need.capability == capability && need.is_used())
     }
 }
 
-/// What a surface asks for.
-const fn capabilities(scattering: &Scattering) -> &'static [Capability] {
-    match scattering {
-        Scattering::Mirror { .. } | Scattering::Glazed { .. } => &[Capability::Mirrors],
-        Scattering::Conductor { facets: None, .. } => &[Capability::Mirrors],
-        Scattering::Dielectric { facets: None, .. } | Scattering::ThinDielectric(_) => {
-            &[Capability::Refraction]
-        }
-        Scattering::Dielectric { .. } => &[Capability::Refraction, Capability::GlossyLobes],
-        Scattering::Schlick(_) => &[Capability::Mirrors, Capability::GlossyLobes],
-        Scattering::Conductor { .. }
-        | Scattering::Glossy { .. }
-        | Scattering::Phong { .. }
-        | Scattering::Jitter { .. } => &[Capability::GlossyLobes],
-        Scattering::Diffuse { .. }
-        | Scattering::OrenNayar { .. }
-        | Scattering::Black
-        | Scattering::Mix(_) => &[],
+/// What is odd about a scene, as far as that is seen at a glance; `origins` says for each placement where it was described.
+#[must_use]
+pub fn warnings(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
+    warnings::of(scene, origins)
+}
+
+/// What is odd about its triangles, for which all are looked at: n log n for n triangles.
+#[must_use]
+pub fn warnings_of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
+    warnings::of_triangles(scene, origins)
+}
+
+fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
+    let asked = scene.asked().iter().find(|asked| asked.capability == capability);
+    let of_picture = match capability {
+        Capability::Aovs => wanted.layout.aovs().len().saturating_sub(PLAIN),
+        Capability::AdaptiveSampling => usize::from(wanted.adaptive),
+        Capability::TwoPass => usize::from(scene.render.glossy == FuzzyBy::TwoPass),
+        _ => 0,
+    };
+    let count = asked.map_or(of_picture, |asked| asked.count);
+    Need {
+        capability,
+        count,
+        first: asked.and_then(|asked| asked.first.clone()),
+        forced: count == 0 && scene.forces(capability),
+        bytes: bytes::of(scene, wanted, capability),
+        time: measured::of(capability),
     }
 }
 
-/// Materials that something is made of, each with the first placement of it.
-fn materials_in_use(scene: &Scene) -> impl Iterator<Item = (MaterialId, PlacementId)> {
-    let mut seen = BTreeSet::new();
-    let all = (0..).map(PlacementId).zip(&scene.surfaces);
-    let all = all.flat_map(|(placement, surface)| surface.materials.iter().map(move |id| (*id, placement)));
-    all.filter(move |(id, _)| seen.insert(*id))
+/// Outputs of every picture: its colour and its coverage.
+const PLAIN: usize = 2;
+
+/// The meshes of a scene.
+fn meshes(scene: &Scene) -> impl Iterator<Item = &crate::geometry::Mesh> {
+    scene
+        .world
+        .shapes
+        .iter()
+        .filter_map(|shape| if let Shape::Mesh(mesh) = shape { Some(mesh) } else { None })
 }

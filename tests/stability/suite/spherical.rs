@@ -1,4 +1,5 @@
-//! Rectangles and triangles by solid angle, against the formulas as published: angles of spherical polygons, which cancel.
+//! Rectangles and triangles by solid angle, against the formulas as published: angles of spherical polygons, which cancel. One at a time:
+//! `tests/lanes_agree` has lights that draw by them at every width.
 
 use super::axes::{Axis, of};
 use super::big::{Big, big, cross, dot, pi, unit};
@@ -140,54 +141,44 @@ impl Triangle {
     }
 }
 
-#[expect(clippy::too_many_lines, reason = "a list")]
+/// The rectangle of ends, lengths and distance.
+fn rectangle(a: &[f32]) -> SphericalRectangle<f32> {
+    SphericalRectangle::new([a[0], a[0] + a[1]], [a[2], a[2] + a[3]], a[4])
+}
+
+/// The triangle of a corner and a size.
+fn triangle(a: &[f32]) -> SphericalTriangle<f32> {
+    let [x, y, z, s] = [a[0], a[1], a[2], a[3]];
+    let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
+    SphericalTriangle::new(ways, z * (ways[1].x - x) * (ways[2].y - y))
+}
+
 pub(crate) fn rows() -> Vec<Row> {
     vec![
-        kernel!(
-            "rectangle: solid angle",
-            [end(), size(), end(), size(), distance()],
-            |x, w, y, h, z| [SphericalRectangle::new([x, x + w], [y, y + h], z).solid_angle()],
+        kernel!(scalar "rectangle: solid angle", [end(), size(), end(), size(), distance()],
+            |a| [rectangle(a).solid_angle()],
             |t| Some(vec![Rectangle::new(t).solid_angle]),
             "2e-6, and the rounding of the ends",
-            |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))
-        ),
-        kernel!(
-            "rectangle: point by solid angle, as fractions of the edges",
+            |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))),
+        kernel!(scalar "rectangle: point by solid angle, as fractions of the edges",
             [end(), size(), end(), size(), distance(), few_numbers(), few_numbers()],
-            |x, w, y, h, z, u, v| {
-                SphericalRectangle::new([x, x + w], [y, y + h], z).sample_within([u, v])
-            },
+            |a| rectangle(a).sample_within([a[5], a[6]]),
             |t| {
                 let rectangle = Rectangle::new(t);
                 let [x, y] = rectangle.at(&t[5], &t[6]);
                 Some(vec![within(&x, &rectangle.x), within(&y, &rectangle.y)])
             },
             "1e-5, and the rounding of the ends",
-            |a, _| 1e-5 + 4.0 * (rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))
-        ),
-        kernel!(
-            "triangle: solid angle",
-            [end(), end(), distance(), size()],
-            |x, y, z, s| {
-                let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
-                let volume = z * (ways[1].x - x) * (ways[2].y - y);
-                [SphericalTriangle::new(ways, volume).solid_angle()]
-            },
+            |a, _| 1e-5 + 4.0 * (rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))),
+        kernel!(scalar "triangle: solid angle", [end(), end(), distance(), size()],
+            |a| [triangle(a).solid_angle()],
             |t| Some(vec![Triangle::new(t).solid_angle]),
-            "2e-6",
-            |_, s| 2e-6 * s
-        ),
-        kernel!(
-            "triangle: barycentric coordinates by solid angle",
+            "2e-6", |_, s| 2e-6 * s),
+        kernel!(scalar "triangle: barycentric coordinates by solid angle",
             [end(), end(), distance(), size(), few_numbers(), few_numbers()],
-            |x, y, z, s, u, v| {
-                let ways = [Vec3::new(x, y, z), Vec3::new(x + s, y, z), Vec3::new(x, y + s, z)];
-                let volume = z * (ways[1].x - x) * (ways[2].y - y);
-                SphericalTriangle::new(ways, volume).sample([u, v])
-            },
+            |a| triangle(a).sample([a[4], a[5]]),
             |t| Triangle::new(t).at(&t[4], &t[5]),
             "1e-5, and the rounding of the corners over the size",
-            |a, _| 1e-5 + 1e-6 * (a[0].abs().max(a[1].abs()).max(a[2]) + a[3]) / a[3]
-        ),
+            |a, _| 1e-5 + 1e-6 * (a[0].abs().max(a[1].abs()).max(a[2]) + a[3]) / a[3]),
     ]
 }

@@ -1,4 +1,7 @@
-//! Sizes and positions that single precision or the unit of length do not suit.
+//! What single precision, the unit of length or the picture's resolution do not suit: sizes and positions, triangles, materials.
+
+mod materials;
+mod triangles;
 
 use crate::error::{Place, Problem};
 use crate::math::Aabb;
@@ -31,7 +34,18 @@ pub(super) fn of(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
     warnings.extend(position(bounds));
     warnings.extend(mixed(scene, bounds, origins));
     warnings.extend(camera(scene.camera.eye(0.0), bounds));
+    warnings.extend(materials::of(scene, origins));
     warnings
+}
+
+/// All that is odd about triangles.
+pub(super) fn of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
+    triangles::of(scene, origins)
+}
+
+/// A warning where it is known.
+fn at(place: Option<&Place>, what: String) -> Problem {
+    place.map_or_else(|| Problem::new(what.clone()), |place| Problem::at(place.clone(), what.clone()))
 }
 
 /// A scene far smaller or larger than things are.
@@ -85,10 +99,7 @@ fn mixed(scene: &Scene, bounds: Aabb, origins: &[Place]) -> Option<Problem> {
         length(size),
         length(extent),
     );
-    let problem = match origins.get(index) {
-        Some(place) => Problem::at(place.clone(), what),
-        None => Problem::new(what),
-    };
+    let problem = at(origins.get(index), what);
     Some(problem.remedy("bring small things near the origin, or leave out what is far away"))
 }
 

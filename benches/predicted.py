@@ -1,0 +1,60 @@
+"""What `specula render --preset` and `--budget` predict against what comes of it, on scenes that presets were not made from.
+
+    python3 benches/predicted.py target/release/specula [FOLDER]
+
+For each scene a long reference, pictures by presets, and one for a budget by a sweep of the scene; errors by `specula diff`. Prints a table in
+Markdown; files stay in FOLDER where one is named, and references there are used again.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+SCENES = [
+    ("glazed", []),
+    ("shapes", []),
+    ("motion_blur", []),
+    ("textures", []),
+    ("glazed", ["-D", "render.integrator=path", "-D", "render.max_depth=8"]),
+    ("shapes", ["-D", "render.integrator=path", "-D", "render.max_depth=8"]),
+]
+SIZE = ["--width", "160", "--height", "90"]
+LONG = "2048"
+BUDGET = "4s"
+
+
+def run(*words):
+    return subprocess.run([str(word) for word in words], check=True, capture_output=True, text=True).stdout
+
+
+def main():
+    specula, scenes = Path(sys.argv[1]).resolve(), Path(__file__).resolve().parent.parent / "scenes"
+    folder = Path(sys.argv[2] if len(sys.argv) > 2 else tempfile.mkdtemp())
+    folder.mkdir(parents=True, exist_ok=True)
+    print("| scene | asked | spp | relMSE predicted | found | ratio | CPU s predicted | found | ratio | s predicted | found |")
+    print("|---|---|---|---|---|---|---|---|---|---|---|")
+    for name, more in SCENES:
+        scene, kind = scenes / f"{name}.toml", "path" if more or name == "textures" else "tree"
+        long, sweep = folder / f"{name}_{kind}.exr", folder / f"{name}_{kind}.runs"
+        if not long.exists():
+            run(specula, "render", scene, "-q", *SIZE, *more, "--spp", LONG, "--seed", "4711", "-o", long)
+        if not sweep.exists():
+            knobs = ["--knob", "spp=4,16,64", "--knob", "sampler", "--knob", "min_throughput=1e-3,1e-2", "--runs", "3"]
+            run(specula, "tradeoff", scene, "-q", *SIZE, *more, *knobs, "--keep", sweep, "-t", "2")
+        for asked in (["--preset", "preview"], ["--preset", "final"], ["--budget", BUDGET, "--tradeoff", sweep]):
+            picture, stats = folder / "a.exr", folder / "a.json"
+            run(specula, "render", scene, "-q", *SIZE, *more, *asked, "-o", picture, "--stats", stats)
+            cost = json.loads(stats.read_text())["cost"]
+            found = json.loads(run(specula, "diff", picture, long, "--json"))["relmse"]
+            said, came = cost["predicted"], cost["achieved"]
+            cells = [f"{name}, {kind}", " ".join(asked[:2]).replace("--", ""), came["spp"]]
+            cells += [f"{said['relmse']:.2e}", f"{found:.2e}", f"{found / said['relmse']:.2f}"]
+            cells += [f"{said['cpu_s']:.2f}", f"{came['cpu_s']:.2f}", f"{came['cpu_s'] / said['cpu_s']:.2f}"]
+            cells += [f"{said['wall_s']:.2f}", f"{came['wall_s']:.2f}"]
+            print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,163 @@
+//! What presets are chosen by: curves of settings over scenes that ship, measured as `specula tradeoff` does.
+//!
+//! `cargo bench --bench presets -- [--record] [part of a scene's name]`. With `--record` all of it is written to `src/tradeoff/presets.json`, from
+//! which the program takes its presets. Scenes are rendered small; seconds are of one thread's processor, and only ratios within a scene count. What
+//! presets take from the record that is compiled in is printed at the end.
+
+#![expect(clippy::print_stdout, reason = "a report for whoever runs it")]
+
+use serde_json::{Value, json};
+use specula::bench::machine::Machine;
+use specula::render::Silent;
+use specula::tradeoff::curve::Curve;
+use specula::tradeoff::design::Design;
+use specula::tradeoff::kept::Run;
+use specula::tradeoff::knobs::Knob;
+use specula::tradeoff::presets::{self, Kind, Preset};
+use specula::tradeoff::runs::{Bench, Sweep, Tally};
+use specula::tradeoff::{Reference, Subject, outcomes};
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// Scenes that are measured; others are kept for finding out whether predictions hold.
+const TREES: [&str; 7] =
+    ["hello", "glossy_row", "metals", "ray_tree", "soft_shadows", "depth_of_field", "frosted"];
+const PATHS: [&str; 4] = ["hello", "glossy_row", "metals", "soft_shadows"];
+
+/// Knobs that are turned, all combinations of them.
+const OF_TREES: [(&str, &[&str]); 3] = [
+    ("spp", &["2", "8", "32"]),
+    ("sampler", &["sobol", "blue_noise", "stratified"]),
+    ("min_throughput", &["1e-3", "1e-2"]),
+];
+const OF_PATHS: [(&str, &[&str]); 3] = [
+    ("spp", &["2", "8", "32"]),
+    ("sampler", &["sobol", "blue_noise", "stratified"]),
+    ("clamp_indirect", &["off", "10"]),
+];
+
+const SIZE: [u32; 2] = [80, 45];
+const RUNS: u32 = 3;
+const REFERENCE: u32 = 512;
+
+type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
+
+fn main() -> Fallible<()> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let is_bench = words.iter().any(|word| word == "--bench");
+    let wanted = words.iter().find(|word| !word.starts_with("--"));
+    let wants = |name: &str| wanted.is_none_or(|part| name.contains(part.as_str()));
+    let mut scenes = Vec::new();
+    let kinds: [(Kind, &[&str], &[_]); 2] =
+        [(Kind::Tree, &TREES, &OF_TREES), (Kind::Path, &PATHS, &OF_PATHS)];
+    for (kind, names, knobs) in kinds {
+        for name in names.iter().filter(|name| wants(name)) {
+            // Under `cargo test --benches` it only shows that it runs.
+            if !is_bench && !scenes.is_empty() {
+                continue;
+            }
+            let curves = measured(name, kind, knobs, if is_bench { 1 } else { 16 })?;
+            for curve in &curves {
+                let name = if curve.name.is_empty() { "as the scene says" } else { &curve.name };
+                println!(
+                    "  {name}: bias^2 {:.2e}, {:.4} CPU s a sample, {:?}",
+                    curve.bias2,
+                    curve.pace_s,
+                    curve.noise()
+                );
+            }
+            scenes.push(json!({
+                "scene": name,
+                "kind": word(kind),
+                "curves": curves.iter().map(presets::curve_to_json).collect::<Vec<_>>(),
+            }));
+        }
+    }
+    if words.iter().any(|word| word == "--record") {
+        write(scenes)?;
+    }
+    for kind in [Kind::Tree, Kind::Path] {
+        for preset in Preset::ALL {
+            if let Some(it) = presets::advice(kind, preset.target(), &|_| true) {
+                let (what, set) = (format!("{} {}", word(kind), preset.word()), it.set);
+                println!(
+                    "{what}: {set:?}, {:.2} of the time, slope {:.2}, {} scenes",
+                    it.gain, it.slope, it.scenes
+                );
+            }
+        }
+    }
+    Ok(())
+}
+
+fn word(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Tree => "tree",
+        Kind::Path => "path",
+    }
+}
+
+/// The curves of a scene, named by what differs from what it says.
+fn measured(name: &str, kind: Kind, knobs: &[(&str, &[&str])], coarser: u32) -> Fallible<Vec<Curve>> {
+    println!("{} {name}", word(kind));
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    let mut overrides =
+        vec![format!("film.width={}", SIZE[0] / coarser), format!("film.height={}", SIZE[1] / coarser)];
+    if kind == Kind::Path {
+        overrides.extend(["render.integrator=path".to_owned(), "render.max_depth=8".to_owned()]);
+    }
+    let (mut subject, _) = Subject::read(&path, &overrides)?;
+    let axes: Vec<_> = knobs
+        .iter()
+        .filter_map(|(knob, values)| {
+            let values: Vec<String> = values.iter().map(|value| (*value).to_owned()).collect();
+            Knob::of(knob).map(|knob| subject.axis(knob, &values))
+        })
+        .collect();
+    let sweep = Sweep::new(&subject, &axes, Design::Grid, RUNS)?;
+    let tally = Tally::new(&Silent, 0);
+    let bench = Bench { threads: NonZeroUsize::new(1), progress: &tally };
+    let settings = Reference::settings(&subject, &axes);
+    let reference = Reference::render(&mut subject, settings, REFERENCE / coarser, &bench)?;
+    let mut runs: Vec<Run> = Vec::new();
+    let mut keep = |run: &Run| {
+        runs.push(run.clone());
+        Ok(())
+    };
+    sweep.run(&mut subject, &reference, (&[], &bench), &mut keep)?;
+    let curves = Curve::all(&outcomes(sweep.points(), &runs, reference.floor()));
+    let is_said = |(key, value): &(String, String)| {
+        let number = |text: &str| text.parse::<f32>().ok();
+        subject.said(key).is_some_and(|said| {
+            said == *value
+                || number(&said).is_some_and(|said| {
+                    number(value).is_some_and(|own| (said - own).abs() <= f32::EPSILON * own.abs())
+                })
+        })
+    };
+    Ok(curves.into_iter().map(|curve| differing(curve, &is_said)).collect())
+}
+
+fn differing(mut curve: Curve, is_said: &dyn Fn(&(String, String)) -> bool) -> Curve {
+    curve.set.retain(|entry| !is_said(entry));
+    curve.name =
+        curve.set.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ");
+    curve
+}
+
+fn write(scenes: Vec<Value>) -> Fallible<()> {
+    let machine = Machine::here();
+    let record = json!({
+        "about": "made by `cargo bench --bench presets -- --record`; read by presets.rs",
+        "version": machine.build.version,
+        "machine": machine.name(),
+        "size": SIZE,
+        "runs": RUNS,
+        "reference_spp": REFERENCE,
+        "scenes": scenes,
+    });
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tradeoff/presets.json");
+    std::fs::write(&path, format!("{record:#}\n"))?;
+    println!("wrote {}", path.display());
+    Ok(())
+}

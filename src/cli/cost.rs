@@ -1,0 +1,296 @@
+//! Settings for an error or a time: chosen before a picture, told, and compared with what came of it.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use serde_json::{Map, Value, json};
+
+use super::frozen::Frozen;
+use super::options::{Cost, RenderOptions};
+use crate::error::{Error, Place, Problem, Problems, Result};
+use crate::render::{self, Progress, Rendered};
+use crate::scene::{self, description::Sampler};
+use crate::tradeoff::curve::Curve;
+use crate::tradeoff::kept::Kept;
+use crate::tradeoff::outcomes_kept;
+use crate::tradeoff::pilot::{Pilot, is_of_samples};
+use crate::tradeoff::presets::{self, Advice, Kind, Preset};
+
+/// What is to be expected of a picture.
+#[derive(Clone, Debug)]
+pub(super) struct Prediction {
+    /// What was asked for.
+    asked: Value,
+    /// What settings were chosen by.
+    by: String,
+    /// Keys and values that were chosen.
+    set: Vec<(String, String)>,
+    spp: f64,
+    /// Seconds of the processor that tracing takes, and by the clock that all takes but writing.
+    cpu_s: f64,
+    wall_s: f64,
+    relmse: f64,
+}
+
+/// The part of the processors' time before a limit that samples are taken in: the last pass does not always fit.
+const USED: f64 = 0.98;
+
+/// The part of a budget that a first look may take.
+const LOOK: f64 = 0.05;
+
+/// What a first look may take in seconds where there is no budget.
+const LOOK_S: f64 = 60.0;
+
+/// Chooses settings where somebody is to: the scene then has them, as the options do. Time counts since `start`.
+pub(super) fn settle(
+    options: &mut RenderOptions,
+    frozen: Frozen,
+    start: Instant,
+    progress: &dyn Progress,
+) -> Result<(Frozen, Option<Prediction>)> {
+    let Some(cost) = options.cost.clone() else { return Ok((frozen, None)) };
+    let Some(kind) = Kind::of(frozen.scene.render.integrator) else {
+        let problem = Problem::at(
+            Place::file(&frozen.path),
+            "the integrator `view` has no noise to choose settings by",
+        );
+        return Err(problem.remedy("leave out --preset and --budget").into());
+    };
+    let (frozen, prediction) = match &cost {
+        Cost::Preset(preset) => by_preset(options, frozen, (*preset, start, kind), progress)?,
+        Cost::Budget { time, runs: None } => by_look(options, frozen, (*time, start, kind), progress)?,
+        Cost::Budget { time, runs: Some(path) } => by_runs(options, frozen, (*time, start), path)?,
+    };
+    if let Cost::Budget { time, .. } = cost {
+        options.limits.time = Some(time);
+    }
+    options.limits.is_estimated = true;
+    tracing::info!(
+        "{}: {}; relMSE about {:.2e} in {:.1} s, {:.1} CPU s of tracing",
+        prediction.by,
+        prediction.flags(),
+        prediction.relmse,
+        prediction.wall_s,
+        prediction.cpu_s,
+    );
+    Ok((frozen, Some(prediction)))
+}
+
+impl Prediction {
+    /// Flags of `specula render` that set the same.
+    fn flags(&self) -> String {
+        let set: String = self.set.iter().map(|(key, value)| format!("-D {key}={value} ")).collect();
+        format!("{set}--spp {:.0}", self.spp.max(1.0))
+    }
+
+    /// Beside what came of it, `elapsed` since the start without writing.
+    pub(super) fn beside(&self, rendered: &Rendered, elapsed: Duration) -> Value {
+        let statistics = &rendered.statistics;
+        let set: Map<String, Value> =
+            self.set.iter().map(|(key, value)| (key.clone(), value.clone().into())).collect();
+        json!({
+            "asked": self.asked,
+            "by": self.by,
+            "set": set,
+            "predicted": { "spp": self.spp, "cpu_s": self.cpu_s, "wall_s": self.wall_s, "relmse": self.relmse },
+            "achieved": {
+                "spp": rendered.film.samples_of_pixels()[0],
+                "cpu_s": statistics.render.cpu.as_secs_f64(),
+                "wall_s": elapsed.as_secs_f64(),
+                "estimated_relmse": statistics.estimate.map(|it| it.error),
+            },
+        })
+    }
+}
+
+/// Puts values before what flags say, so that these have the last word.
+fn turn(options: &mut RenderOptions, frozen: Frozen, set: &[(String, String)]) -> Result<Frozen> {
+    let chosen = set.iter().map(|(key, value)| format!("{key}={value}"));
+    let overrides: Vec<String> = chosen.chain(options.overrides.iter().cloned()).collect();
+    let frozen = frozen.turned(&overrides)?;
+    options.overrides = overrides;
+    Ok(frozen)
+}
+
+fn threads(options: &RenderOptions) -> f64 {
+    let threads = options.threads.or_else(|| std::thread::available_parallelism().ok());
+    threads.map_or(1.0, |threads| f64::from(u32::try_from(threads.get()).unwrap_or(u32::MAX)))
+}
+
+/// The part of the picture that is rendered.
+fn part(options: &RenderOptions, frozen: &Frozen) -> f64 {
+    let film = &frozen.scene.film;
+    let all = f64::from(film.width) * f64::from(film.height);
+    options.crop.map_or(1.0, |crop| f64::from(crop.width()) * f64::from(crop.height()) / all)
+}
+
+fn plain() -> Advice {
+    Advice { gain: 1.0, slope: -1.0, ..Advice::default() }
+}
+
+fn no_look() -> Error {
+    Problem::new("no sample of the scene says how noisy it is")
+        .remedy("set the number of samples by --spp")
+        .into()
+}
+
+fn by_preset(
+    options: &mut RenderOptions,
+    frozen: Frozen,
+    (preset, start, kind): (Preset, Instant, Kind),
+    progress: &dyn Progress,
+) -> Result<(Frozen, Prediction)> {
+    let advice = presets::advice(kind, preset.target(), &|_| true).unwrap_or_else(plain);
+    let mut frozen = turn(options, frozen, &advice.set)?;
+    let (look, curve) = look(options, &mut frozen, &advice, (LOOK_S, progress))?;
+    let spp = rounded(curve.samples_for(preset.target().max(curve.bias2 * 2.0)).unwrap_or(1.0));
+    let mut set = advice.set;
+    let frozen = turn(options, frozen, &[("render.spp".to_owned(), spp.to_string())])?;
+    let spp = f64::from(frozen.scene.render.spp());
+    let cpu_s = curve.time(spp);
+    set.retain(|(key, _)| !is_of_samples(key));
+    let wall_s = (start.elapsed() + look.build.wall).as_secs_f64() + cpu_s / threads(options);
+    let by = format!("preset {}, after a look of {:.1} s", preset.word(), look.spent.wall.as_secs_f64());
+    let asked = json!({ "preset": preset.word(), "relmse": preset.target() });
+    Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse: curve.error(spp) }))
+}
+
+/// A first look, and what it says of more samples of what is rendered.
+fn look(
+    options: &RenderOptions,
+    frozen: &mut Frozen,
+    advice: &Advice,
+    (most_s, progress): (f64, &dyn Progress),
+) -> Result<(Pilot, Curve)> {
+    let pilot = Pilot::of(&mut frozen.scene, options.threads, most_s, progress)?;
+    let curve = pilot.curve(advice.slope, advice.bias2).ok_or_else(no_look)?;
+    Ok((pilot, curve.larger(part(options, frozen))))
+}
+
+/// Whole packets where there are many: those are traced fastest.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cut at both ends")]
+fn rounded(spp: f64) -> u32 {
+    let spp = spp.ceil().clamp(1.0, 16_777_216.0) as u32;
+    let unit = if spp > 16 {
+        16
+    } else if spp > 4 {
+        4
+    } else {
+        1
+    };
+    spp.next_multiple_of(unit)
+}
+
+/// Whether settings suit a number of samples that is not known before: these samplers are made for a known one.
+fn suits_budgets(set: &[(String, String)]) -> bool {
+    let known = [Sampler::Stratified, Sampler::BlueNoise].map(Sampler::word);
+    !set.iter().any(|(key, value)| key == "render.sampler" && known.contains(&value.as_str()))
+}
+
+/// No end of samples but time, where flags do not say.
+fn endless() -> (String, String) {
+    ("render.spp".to_owned(), render::MOST.to_string())
+}
+
+fn by_look(
+    options: &mut RenderOptions,
+    frozen: Frozen,
+    (time, start, kind): (Duration, Instant, Kind),
+    progress: &dyn Progress,
+) -> Result<(Frozen, Prediction)> {
+    let all_s = time.as_secs_f64() * threads(options);
+    let left = |start: Instant| time.saturating_sub(start.elapsed()).as_secs_f64();
+    // As the scene is, to see which error there is time for; then with what reaches that one soonest.
+    let mut frozen = frozen;
+    let (first, curve) = look(options, &mut frozen, &plain(), (LOOK * all_s / 2.0, progress))?;
+    let error = curve.error(curve.samples_in(left(start) * threads(options)).max(1.0));
+    let advice = presets::advice(kind, error, &suits_budgets).unwrap_or_else(plain);
+    let set = advice.set.clone();
+    let mut frozen = turn(options, frozen, &[&[endless()], &set[..]].concat())?;
+    let (look, curve) = if set.is_empty() {
+        let curve =
+            first.curve(advice.slope, advice.bias2).ok_or_else(no_look)?.larger(part(options, &frozen));
+        (first, curve)
+    } else {
+        look(options, &mut frozen, &advice, (LOOK * all_s / 2.0, progress))?
+    };
+    let cpu_s = USED * (left(start) - look.build.wall.as_secs_f64()).max(0.0) * threads(options);
+    let spp = curve.samples_in(cpu_s).clamp(1.0, f64::from(frozen.scene.render.spp()));
+    let by = "budget, after a look at some pixels".to_owned();
+    let asked = json!({ "budget_s": time.as_secs_f64() });
+    let (cpu_s, relmse) = (curve.time(spp), curve.error(spp));
+    let wall_s = start.elapsed().as_secs_f64() + look.build.wall.as_secs_f64() + cpu_s / threads(options);
+    Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse }))
+}
+
+/// Refuses runs of another scene; tables `film` and `render` are what runs are about.
+fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<()> {
+    let folder = frozen.path.parent().unwrap_or(Path::new(""));
+    let mut both = [kept.head["about"].clone(), scene::identity(&frozen.description, folder, &frozen.files)?];
+    for scene in both.iter_mut().filter_map(|about| about["scene"].as_object_mut()) {
+        scene.shift_remove("film");
+        scene.shift_remove("render");
+    }
+    let [there, here] = both;
+    let differences = scene::differences(&there, &here).into_iter().map(|what| {
+        Problem::at(Place::file(path), format!("runs of another scene: {what}"))
+            .remedy("name runs of this scene, or leave out --tradeoff")
+    });
+    Problems(differences.collect()).into_result(())
+}
+
+fn by_runs(
+    options: &mut RenderOptions,
+    frozen: Frozen,
+    (time, start): (Duration, Instant),
+    path: &Path,
+) -> Result<(Frozen, Prediction)> {
+    let kept = Kept::read(path)?;
+    check(&kept, &frozen, path)?;
+    let outcomes = outcomes_kept(&kept);
+    let build_s = outcomes.first().map_or(0.0, |it| it.build_cpu_s.value);
+    let size = ["width", "height"].map(|side| kept.head[side].as_f64().unwrap_or(1.0));
+    let film = &frozen.scene.film;
+    let all = f64::from(film.width) * f64::from(film.height) * part(options, &frozen);
+    let times = all / (size[0] * size[1]);
+    let left = time.saturating_sub(start.elapsed()).as_secs_f64();
+    let cpu_s = USED * (left * threads(options) - build_s).max(0.0);
+    let curves = Curve::all(&outcomes).into_iter().filter(|curve| suits_budgets(&curve.set));
+    let curves = curves.map(|curve| curve.larger(times));
+    let error = |curve: &Curve| curve.error(curve.samples_in(cpu_s).max(1.0));
+    let Some(best) = curves.min_by(|a, b| error(a).total_cmp(&error(b))) else {
+        let problem = Problem::at(Place::file(path), "no point in it has runs enough to tell its noise");
+        return Err(problem.remedy("go on with it: specula tradeoff --resume").into());
+    };
+    let frozen = turn(options, frozen, &[&[endless()], &best.set[..]].concat())?;
+    let spp = best.samples_in(cpu_s).clamp(1.0, f64::from(frozen.scene.render.spp()));
+    let wall_s = start.elapsed().as_secs_f64() + (best.time(spp) + build_s) / threads(options);
+    let prediction = Prediction {
+        asked: json!({ "budget_s": time.as_secs_f64() }),
+        by: format!("budget, by the runs in {}", path.display()),
+        set: best.set.clone(),
+        spp,
+        cpu_s: best.time(spp),
+        wall_s,
+        relmse: best.error(spp),
+    };
+    Ok((frozen, prediction))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_samples_are_whole_packets() {
+        let found = [0.2, 1.0, 3.4, 4.5, 11.0, 16.0, 16.5, 100.0, 1e12].map(rounded);
+        assert_eq!(found, [1, 1, 4, 8, 12, 16, 32, 112, 16_777_216], "rounded up");
+    }
+
+    #[test]
+    fn samplers_for_known_numbers_suit_no_budget() {
+        let set = |value: &str| vec![("render.sampler".to_owned(), value.to_owned())];
+        assert!(suits_budgets(&[]) && suits_budgets(&set("sobol")), "any number");
+        assert!(!suits_budgets(&set("stratified")) && !suits_budgets(&set("blue_noise")), "a known number");
+    }
+}

@@ -1,0 +1,260 @@
+//! Settings for those who do not want to choose: by what was measured over the scenes that ship.
+//!
+//! A preset is an error that is good enough. Which settings reach it soonest is taken from `presets.json`, curves of many settings of many scenes
+//! (`benches/presets.rs` measures them, `benches/record/presets.md` tells what came out): of settings that every scene of the integrator's kind was measured with, the ones
+//! that take the least part of the time that the scene's own settings take, in the geometric mean. How many samples that is in a scene, a
+//! [`super::pilot::Pilot`] finds.
+
+use super::curve::Curve;
+use crate::scene::description::Integrator;
+use serde_json::Value;
+use std::sync::OnceLock;
+
+/// How good a picture is to be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// To see whether everything is there.
+    Draft,
+    /// To judge light and materials.
+    Preview,
+    /// To show.
+    Final,
+    /// To compare others with.
+    Reference,
+}
+
+impl Preset {
+    /// All of them, the coarsest first.
+    pub const ALL: [Self; 4] = [Self::Draft, Self::Preview, Self::Final, Self::Reference];
+
+    /// The word for it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Draft => "draft",
+            Self::Preview => "preview",
+            Self::Final => "final",
+            Self::Reference => "reference",
+        }
+    }
+
+    /// The preset of that word.
+    #[must_use]
+    pub fn of(word: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|preset| preset.word() == word)
+    }
+
+    /// The relMSE that is good enough.
+    #[must_use]
+    pub const fn target(self) -> f64 {
+        match self {
+            Self::Draft => 3e-2,
+            Self::Preview => 1e-2,
+            Self::Final => 1e-3,
+            Self::Reference => 1e-4,
+        }
+    }
+}
+
+/// How light is followed, as far as settings for one are no settings for another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// By ray trees.
+    Tree,
+    /// By paths.
+    Path,
+}
+
+impl Kind {
+    /// The kind of an integrator; `None` of those that follow no light.
+    #[must_use]
+    pub const fn of(integrator: Integrator) -> Option<Self> {
+        match integrator {
+            Integrator::Whitted | Integrator::Distribution => Some(Self::Tree),
+            Integrator::Path => Some(Self::Path),
+            Integrator::View => None,
+        }
+    }
+
+    const fn word(self) -> &'static str {
+        match self {
+            Self::Tree => "tree",
+            Self::Path => "path",
+        }
+    }
+}
+
+/// Settings that were found to be best, and what was found of them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Advice {
+    /// Keys of the scene file and values, samples left out.
+    pub set: Vec<(String, String)>,
+    /// The part of the time that scenes take as they are, in the geometric mean.
+    pub gain: f64,
+    /// With which power of samples variance falls, in the mean.
+    pub slope: f64,
+    /// Squared bias in relMSE, in the mean.
+    pub bias2: f64,
+    /// Over how many scenes.
+    pub scenes: usize,
+}
+
+/// Whether settings, keys of the scene file and values, come into question.
+pub type Fits<'a> = dyn Fn(&[(String, String)]) -> bool + 'a;
+
+/// The part of the wanted error that bias may be.
+const BIAS: f64 = 0.25;
+
+/// Scenes, each with curves of settings.
+#[derive(Clone, Debug, Default)]
+struct Record(Vec<(Kind, Vec<Curve>)>);
+
+/// What was measured.
+fn record() -> &'static Record {
+    static RECORD: OnceLock<Record> = OnceLock::new();
+    RECORD.get_or_init(|| {
+        let json = serde_json::from_str(include_str!("presets.json")).unwrap_or_default();
+        Record::of_json(&json).unwrap_or_default()
+    })
+}
+
+impl Record {
+    fn of_json(json: &Value) -> Option<Self> {
+        let scene = |json: &Value| {
+            let kind = [Kind::Tree, Kind::Path].into_iter().find(|kind| json["kind"] == kind.word())?;
+            let curves: Option<Vec<Curve>> = json["curves"].as_array()?.iter().map(curve_of_json).collect();
+            Some((kind, curves?))
+        };
+        json["scenes"].as_array()?.iter().map(scene).collect::<Option<Vec<_>>>().map(Self)
+    }
+
+    fn advice(&self, kind: Kind, target: f64, fits: &Fits<'_>) -> Option<Advice> {
+        let scenes: Vec<&Vec<Curve>> =
+            self.0.iter().filter(|(of, _)| *of == kind).map(|(_, all)| all).collect();
+        let sets = scenes.first()?.iter().map(|curve| &curve.set).filter(|set| fits(set));
+        let all = sets.filter_map(|set| advice_of(set, target, &scenes));
+        all.min_by(|a, b| a.gain.total_cmp(&b.gain))
+    }
+}
+
+/// What scenes say of settings; `None` where one was not measured with them, or does not reach the target.
+#[expect(clippy::cast_precision_loss, reason = "few scenes")]
+fn advice_of(set: &[(String, String)], target: f64, scenes: &[&Vec<Curve>]) -> Option<Advice> {
+    let (mut logarithms, mut slopes, mut bias2) = (0.0, 0.0, 0.0);
+    for curves in scenes {
+        let plain = curves.iter().find(|curve| curve.set.is_empty())?;
+        let own = curves.iter().find(|curve| curve.set == set)?;
+        if own.bias2 > BIAS * target && !set.is_empty() {
+            return None;
+        }
+        let time = |curve: &Curve| curve.samples_for(target).map(|spp| curve.time(spp));
+        // Where the scene as it is has a bias of its own, both are as far from the target.
+        if let (Some(plain), Some(own)) = (time(plain), time(own)) {
+            logarithms += (own / plain).ln();
+        } else if !set.is_empty() {
+            return None;
+        }
+        slopes += own.slope();
+        bias2 += own.bias2;
+    }
+    let count = scenes.len() as f64;
+    Some(Advice {
+        set: set.to_vec(),
+        gain: (logarithms / count).exp(),
+        slope: slopes / count,
+        bias2: bias2 / count,
+        scenes: scenes.len(),
+    })
+}
+
+/// The settings to take for an error, of those that fit; none of a kind that was not measured.
+#[must_use]
+pub fn advice(kind: Kind, target: f64, fits: &Fits<'_>) -> Option<Advice> {
+    record().advice(kind, target, fits)
+}
+
+/// A curve as the record has it.
+#[must_use]
+pub fn curve_to_json(curve: &Curve) -> Value {
+    let set: serde_json::Map<String, Value> =
+        curve.set.iter().map(|(key, value)| (key.clone(), value.clone().into())).collect();
+    serde_json::json!({
+        "set": set,
+        "bias2": curve.bias2,
+        "fixed_s": curve.fixed_s,
+        "pace_s": curve.pace_s,
+        "noise": curve.noise(),
+    })
+}
+
+fn curve_of_json(json: &Value) -> Option<Curve> {
+    let set = json["set"].as_object()?.iter();
+    let set: Option<Vec<_>> =
+        set.map(|(key, value)| Some((key.clone(), value.as_str()?.to_owned()))).collect();
+    let noise = json["noise"].as_array()?.iter().map(|at| Some([at[0].as_f64()?, at[1].as_f64()?]));
+    let noise: Vec<[f64; 2]> = noise.collect::<Option<_>>()?;
+    let number = |key: &str| json[key].as_f64();
+    let figures = (number("bias2")?, number("fixed_s")?, number("pace_s")?);
+    (!noise.is_empty()).then_some(())?;
+    Some(Curve::measured(String::new(), set?, figures, noise))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn curve(set: &[(&str, &str)], bias2: f64, pace_s: f64, variance: f64) -> Curve {
+        let set = set.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        let noise = vec![[1.0, variance], [100.0, variance / 100.0]];
+        Curve::measured(String::new(), set, (bias2, 0.0, pace_s), noise)
+    }
+
+    #[test]
+    fn the_quickest_over_all_scenes_are_advised() {
+        let [fast, biased, rare] = [("render.a", "1"), ("render.b", "1"), ("render.c", "1")];
+        let scene = |slow: f64, more: Option<Curve>| {
+            let curves = vec![
+                curve(&[], 0.0, 1.0, 1.0),
+                curve(&[fast], 0.0, slow, 1.0),
+                curve(&[biased], 1e-3, 0.1, 1.0),
+            ];
+            (Kind::Tree, curves.into_iter().chain(more).collect())
+        };
+        let record = Record(vec![scene(0.5, Some(curve(&[rare], 0.0, 0.01, 1.0))), scene(0.8, None)]);
+        let set = |target, fits: &Fits<'_>| record.advice(Kind::Tree, target, fits).expect("advice");
+        assert_eq!(set(1e-2, &|_| true).set[0].0, "render.b", "bias is small beside the target");
+        let fine = set(1e-3, &|_| true);
+        assert_eq!(fine.set[0].0, "render.a", "bias is too large, and not all scenes know the other");
+        assert!((fine.gain - 0.4_f64.sqrt()).abs() < 1e-9 && fine.scenes == 2, "{fine:?}");
+        assert!((fine.slope + 1.0).abs() < 1e-9, "{fine:?}");
+        let plain = set(1e-3, &|set| set.is_empty());
+        assert!(plain.set.is_empty() && (plain.gain - 1.0).abs() < 1e-12, "as the scenes say");
+        assert_eq!(record.advice(Kind::Path, 1e-2, &|_| true), None, "nothing measured");
+    }
+
+    #[test]
+    fn the_record_is_sound_and_every_preset_has_settings() {
+        let json: Value = serde_json::from_str(include_str!("presets.json")).expect("JSON");
+        let record = Record::of_json(&json).expect("a record");
+        for kind in [Kind::Tree, Kind::Path] {
+            assert!(record.0.iter().filter(|(of, _)| *of == kind).count() >= 3, "{kind:?}: few scenes");
+            for preset in Preset::ALL {
+                let found = advice(kind, preset.target(), &|_| true).expect("settings");
+                assert!(found.gain <= 1.0 && found.gain > 0.05, "{kind:?}, {preset:?}: {found:?}");
+                assert!((-2.0..=-0.5).contains(&found.slope), "{found:?}");
+            }
+        }
+        for curve in record.0.iter().flat_map(|(_, curves)| curves) {
+            let again = curve_of_json(&curve_to_json(curve)).expect("a curve");
+            assert_eq!(again.noise(), curve.noise(), "there and back");
+        }
+    }
+
+    #[test]
+    fn words_are_those_of_presets() {
+        for preset in Preset::ALL {
+            assert_eq!(Preset::of(preset.word()), Some(preset), "{preset:?}");
+        }
+        assert!(Preset::ALL.windows(2).all(|two| two[0].target() > two[1].target()), "finer and finer");
+    }
+}

@@ -1,0 +1,228 @@
+//! Leaving out what a scene does not need changes time, never the picture: shipped scenes of different needs as they are, and with
+//! everything switched on that can be. And the list that says so is true of what was built.
+
+#[path = "support/scene.rs"]
+mod support;
+
+use specula::film::{Aov, Film, Layout};
+use specula::geometry::{Pose, Shape, World};
+use specula::material::Scattering;
+use specula::render::{Settings, Silent, render};
+use specula::scene::needs::capability::{Capabilities, Capability};
+use specula::scene::{self, Description, Needs, Scene, Wanted};
+use std::num::NonZeroUsize;
+use std::path::Path;
+use support::bits;
+
+/// Scenes of different needs, and how they are rendered.
+const SCENES: [(&str, &[&str]); 8] = [
+    // Glass and gold on a chequered floor; one lamp.
+    ("hello", &["render.integrator=path"]),
+    // Lobes of all widths.
+    ("glossy_row", &["render.integrator=path"]),
+    // Ray trees through glass.
+    ("ray_tree", &[]),
+    // Rough glass.
+    ("frosted", &["render.integrator=path"]),
+    // Pictures, reliefs and holes.
+    ("textures", &["render.integrator=path"]),
+    // A lens, several lamps, an environment.
+    ("depth_of_field", &[]),
+    // Moving shapes and a moving camera.
+    ("motion", &[]),
+    // Metals, some of them brushed.
+    ("metals", &["render.integrator=path"]),
+];
+
+/// What moves the last bits of hits or sums where it is switched on: rays are carried into another space, tested otherwise, or summed
+/// in another order.
+const TO_ROUNDING: [Capability; 8] = [
+    Capability::Instances,
+    Capability::MovingPoses,
+    Capability::MovingVertices,
+    Capability::RobustTraversal,
+    // Frames about normals are made another way.
+    Capability::Anisotropy,
+    Capability::Textures,
+    Capability::GlassShadows,
+    Capability::MovingCamera,
+];
+
+fn described(name: &str, overrides: &[&str]) -> Description {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
+    let size = ["film.width=48", "film.height=27", "render.spp=16", "render.max_depth=6"];
+    let overrides: Vec<String> = size.iter().chain(overrides).map(|&text| text.to_owned()).collect();
+    scene::load(&path, &overrides).unwrap_or_else(|error| panic!("{error}")).description
+}
+
+fn frozen(description: &Description, wanted: &Wanted) -> Scene {
+    scene::build_for(description, wanted).unwrap_or_else(|error| panic!("{error}")).scene
+}
+
+fn film(scene: &Scene) -> Film {
+    let settings = Settings { threads: NonZeroUsize::new(2), ..Settings::default() };
+    render(scene, &settings, &Silent).unwrap_or_else(|error| panic!("{error}")).film
+}
+
+/// Why pictures are not the same to rounding, if they are not: but for few pixels, on whose edges rays fall to the other side, and whose
+/// chains of mirrors and glass make much of a little, colours differ by less than a part in a thousand.
+fn apart(found: &Film, wanted: &Film) -> Option<String> {
+    let (found, wanted) = (found.image(), wanted.image());
+    let [width, height] = [wanted.width(), wanted.height()];
+    let (mut off, mut sum, mut difference) = (0, 0.0_f64, 0.0_f64);
+    for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+        let [a, b] = [found.pixel(x, y), wanted.pixel(x, y)].map(|p| [p.r, p.g, p.b]);
+        let apart = (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max);
+        let size = (0..3).map(|i| b[i].abs()).fold(0.0, f32::max);
+        off += u32::from(apart > 1e-3 * size + 1e-4);
+        sum += f64::from(b[0] + b[1] + b[2]);
+        difference += f64::from(a[0] + a[1] + a[2] - b[0] - b[1] - b[2]);
+    }
+    let is_same = off * 20 <= width * height && difference.abs() <= 5e-3 * sum;
+    (!is_same)
+        .then(|| format!("{off} of {} pixels differ, brighter by {difference} of {sum}", width * height))
+}
+
+/// How many values differ in any bit.
+fn differing(found: &Film, wanted: &Film) -> usize {
+    let (found, wanted) = (bits(found), bits(wanted));
+    found.iter().flatten().zip(wanted.iter().flatten()).filter(|(a, b)| a != b).count()
+}
+
+#[test]
+fn leaving_things_out_changes_no_bit() {
+    for (name, overrides) in SCENES {
+        let description = described(name, overrides);
+        let plain = scene::build(&description).unwrap_or_else(|error| panic!("{error}")).scene;
+        let specialised = frozen(&description, &Wanted::default());
+        assert_eq!(differing(&film(&specialised), &film(&plain)), 0, "{name}");
+    }
+}
+
+#[test]
+fn whatever_is_switched_on_the_picture_stays() {
+    let mut wrong = Vec::new();
+    for (name, overrides) in SCENES {
+        let description = described(name, overrides);
+        let plain = frozen(&description, &Wanted::default());
+        let wanted = film(&plain);
+        for capability in Capabilities::forceable().iter().filter(|it| !plain.requires(*it)) {
+            let forced = Capabilities::NONE.with(capability);
+            let found = film(&frozen(&description, &Wanted { forced, ..Wanted::default() }));
+            let what = format!("{name} with {}", capability.name());
+            let differing = differing(&found, &wanted);
+            if TO_ROUNDING.contains(&capability) {
+                wrong.extend(apart(&found, &wanted).map(|why| format!("{what}: {why}")));
+            } else if differing > 0 {
+                wrong.push(format!("{what}: {differing} values differ"));
+            }
+        }
+        let everything = film(&frozen(&description, &Wanted::default().unspecialised()));
+        wrong.extend(apart(&everything, &wanted).map(|why| format!("{name} with everything: {why}")));
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+#[test]
+fn what_is_forced_one_lane_at_a_time_stays_too() {
+    // The oracle of all widths.
+    let overrides = ["render.integrator=path", "render.query=single"];
+    let description = described("hello", &overrides);
+    let wanted = film(&frozen(&description, &Wanted::default()));
+    let forced: Capabilities =
+        Capabilities::forceable().iter().filter(|capability| !TO_ROUNDING.contains(capability)).collect();
+    let found = film(&frozen(&description, &Wanted { forced, ..Wanted::default() }));
+    assert_eq!(differing(&found, &wanted), 0, "values differ");
+}
+
+/// What is there of a capability, by another look than that of the list.
+fn is_there(scene: &Scene, capability: Capability) -> Option<bool> {
+    let World { shapes, placements, filters } = &*scene.world;
+    let meshes =
+        || shapes.iter().filter_map(|shape| if let Shape::Mesh(mesh) = shape { Some(mesh) } else { None });
+    let used = || {
+        let ids = (0..).map(specula::geometry::PlacementId).take(placements.len());
+        ids.flat_map(|id| {
+            let count = scene.world.shape_of(id).primitive_count();
+            (0..u32::try_from(count).expect("few"))
+                .map(move |prim| &scene.materials[scene.material_of(id, prim).index()])
+        })
+    };
+    Some(match capability {
+        Capability::Triangles => meshes().any(|mesh| !mesh.triangles().is_empty()),
+        Capability::Spheres => shapes.iter().any(|shape| matches!(shape, Shape::Sphere(_))),
+        Capability::Discs => shapes.iter().any(|shape| matches!(shape, Shape::Disc(_))),
+        Capability::Surfaces => shapes.iter().any(|shape| matches!(shape, Shape::Surface(_))),
+        Capability::Instances => placements.iter().any(|it| matches!(it.pose, Pose::Still(_))),
+        Capability::MovingPoses => placements.iter().any(|it| matches!(it.pose, Pose::Moving(_))),
+        Capability::MovingVertices => shapes.iter().any(Shape::is_moving),
+        Capability::Masks => placements.iter().any(|it| it.mask != u32::MAX),
+        Capability::CutOuts => !filters.is_empty(),
+        Capability::ShadingNormals => meshes().any(|mesh| mesh.has_normals()),
+        Capability::SurfaceParameters => meshes().any(|mesh| mesh.has_uvs()),
+        Capability::MovingCamera => scene.camera.is_moving(),
+        Capability::Lens => scene.camera.has_lens(),
+        Capability::Environment => scene.environment_light().is_some(),
+        Capability::Media => used().any(|material| material.medium().is_some()),
+        Capability::Mixes => used().any(|material| matches!(material.scattering, Scattering::Mix(_))),
+        Capability::LobeChoice => used().any(|material| material.scattering.has_choice()),
+        Capability::Reliefs => used().any(|material| material.relief.is_some()),
+        Capability::Textures => used().any(specula::material::Material::is_textured),
+        Capability::PointLights => scene.lights.iter().any(specula::light::Light::is_delta),
+        _ => return None,
+    })
+}
+
+#[test]
+fn the_list_is_true_of_what_was_built() {
+    for (name, overrides) in SCENES {
+        let description = described(name, overrides);
+        let scene = frozen(&description, &Wanted::default());
+        let needs = Needs::of(&scene, &Wanted::default());
+        for need in &needs.capabilities {
+            let capability = need.capability;
+            assert_eq!(need.is_used(), need.count > 0, "{name}: nothing is forced");
+            if let Some(there) = is_there(&scene, capability) {
+                assert_eq!(there, need.count > 0, "{name}: {}", capability.name());
+                assert_eq!(there, scene.uses(capability), "{name}: {}", capability.name());
+            }
+        }
+        // What building makes of a capability is there when it is forced.
+        let built = [
+            Capability::Instances,
+            Capability::CutOuts,
+            Capability::ShadingNormals,
+            Capability::Lens,
+            Capability::Environment,
+        ];
+        for capability in built {
+            let wanted = Wanted { forced: Capabilities::NONE.with(capability), ..Wanted::default() };
+            let forced = frozen(&description, &wanted);
+            let has_something =
+                capability != Capability::ShadingNormals || needs.count(Capability::Triangles) > 0;
+            assert_eq!(is_there(&forced, capability), Some(has_something), "{name}: {}", capability.name());
+            let need = Needs::of(&forced, &wanted);
+            let need = need.capabilities.iter().find(|need| need.capability == capability).expect("listed");
+            let own = scene.requires(capability);
+            assert_eq!((need.count > 0, need.forced), (own, !own), "{name}: {}", capability.name());
+        }
+    }
+}
+
+#[test]
+fn parameters_are_kept_where_somebody_reads_them() {
+    let description = described("model", &[]);
+    let has_uvs = |wanted: &Wanted| is_there(&frozen(&description, wanted), Capability::SurfaceParameters);
+    assert_eq!(has_uvs(&Wanted::anything()), Some(true), "the boxes have some");
+    let with_floor = Needs::of(&frozen(&description, &Wanted::default()), &Wanted::default());
+    let of_all = Needs::of(&frozen(&description, &Wanted::anything()), &Wanted::anything());
+    let uvs = |needs: &Needs| {
+        let found = needs.capabilities.iter().find(|it| it.capability == Capability::SurfaceParameters);
+        found.expect("listed").bytes
+    };
+    let (own, all) = (uvs(&with_floor), uvs(&of_all));
+    assert!(own.taken <= all.taken, "{own:?} of {all:?}");
+    assert_eq!(own.taken + own.saved, all.taken + all.saved, "what is dropped is what is saved");
+    let output = Wanted::picture(Layout::with([Aov::Uv]));
+    assert_eq!(has_uvs(&output), Some(true), "an output shows them");
+}
