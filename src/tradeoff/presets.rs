@@ -1,4 +1,4 @@
-//! Settings for those who do not want to choose: by what was measured over the scenes that ship.
+//! Settings for those who do not want to choose: by what was measured over scenes that ship.
 //!
 //! A preset is an error that is good enough. Which settings reach it soonest is taken from `presets.json`, curves of many settings of many scenes
 //! (`benches/presets.rs` measures them, `benches/record/presets.md` tells what came out): of settings that every scene of the integrator's kind was measured with, the ones
