@@ -99,7 +99,7 @@ pub struct RenderArgs {
 
     /// Settings that reach an error soonest: a relMSE of 0.03, 0.01, 0.001 or 0.0001
     ///
-    /// By what was measured over the scenes that ship, and a first look at some pixels of this one, which finds how many samples it takes. What is set
+    /// By what was measured on scenes that ship, and a first look at some pixels of this one, which finds how many samples it takes. What is set
     /// by other flags stays. The log says which flags do the same.
     #[arg(long, value_name = "NAME", value_parser = Words::of(&Preset::ALL, Preset::word))]
     pub preset: Option<String>,

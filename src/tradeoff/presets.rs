@@ -1,4 +1,4 @@
-//! Settings for those who do not want to choose: by what was measured over the scenes that ship.
+//! Settings for those who do not want to choose: by what was measured over scenes that ship.
 //!
 //! A preset is an error that is good enough. Which settings reach it soonest is taken from `presets.json`, curves of many settings of many scenes
 //! (`benches/presets.rs` measures them, `benches/record/presets.md` tells what came out): of settings that every scene of the integrator's kind was measured with, the ones
@@ -233,13 +233,13 @@ mod tests {
     }
 
     #[test]
-    fn the_record_is_sound_and_every_preset_has_settings() {
+    fn the_record_is_sound_and_its_kinds_have_settings_for_every_preset() {
         let json: Value = serde_json::from_str(include_str!("presets.json")).expect("JSON");
         let record = Record::of_json(&json).expect("a record");
-        for kind in [Kind::Tree, Kind::Path] {
-            assert!(record.0.iter().filter(|(of, _)| *of == kind).count() >= 3, "{kind:?}: few scenes");
+        assert!(!record.0.is_empty(), "nothing was measured");
+        for (kind, _) in &record.0 {
             for preset in Preset::ALL {
-                let found = advice(kind, preset.target(), &|_| true).expect("settings");
+                let found = advice(*kind, preset.target(), &|_| true).expect("settings");
                 assert!(found.gain <= 1.0 && found.gain > 0.05, "{kind:?}, {preset:?}: {found:?}");
                 assert!((-2.0..=-0.5).contains(&found.slope), "{found:?}");
             }
