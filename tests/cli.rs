@@ -440,6 +440,7 @@ fn manual_pages_go_to_standard_output_or_a_directory() {
         "-diff",
         "-fuzzy",
         "-bench",
+        "-tradeoff",
         "-schema",
         "-completions",
         "-man",
