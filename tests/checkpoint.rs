@@ -187,7 +187,7 @@ fn slices_and_crops_go_on_too() {
             // A thread that is stopped gets on by a packet of a tile, 4096 samples, at least.
             let settings = Settings { slice, crop, ..settings(1, Limits::default()) };
             let whole = render(&scene, &settings, &Silent).expect("a picture");
-            let (resumed, times) = interrupted(&scene, &settings, 5000, Duration::from_secs(3600));
+            let (resumed, times) = interrupted(&scene, &settings, 4000, Duration::from_secs(3600));
             let what = format!("{render_keys}, {slice:?}, {crop:?}: {times} interruptions");
             println!("{what}");
             assert!(times > 0, "{what}");

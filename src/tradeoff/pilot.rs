@@ -147,7 +147,7 @@ fn variance(looks: &[(u32, [Values; 2])], at: usize) -> f64 {
 
 /// Squares over a picture, one at a place by chance in each cell of a grid; all of a small picture.
 fn squares([width, height]: [u32; 2]) -> Vec<Window> {
-    if width * height <= 2 * SQUARES * SIDE * SIDE {
+    if u64::from(width) * u64::from(height) <= u64::from(2 * SQUARES * SIDE * SIDE) {
         return vec![Window::whole(width, height)];
     }
     let across = columns([width, height]);
