@@ -78,7 +78,7 @@ fn apart(found: &Film, wanted: &Film) -> Option<String> {
         sum += f64::from(b[0] + b[1] + b[2]);
         difference += f64::from(a[0] + a[1] + a[2] - b[0] - b[1] - b[2]);
     }
-    let is_same = off * 20 <= width * height && difference.abs() <= 5e-3 * sum;
+    let is_same = off * 10 <= width * height && difference.abs() <= 5e-3 * sum;
     (!is_same)
         .then(|| format!("{off} of {} pixels differ, brighter by {difference} of {sum}", width * height))
 }

@@ -83,7 +83,9 @@ fn one(
     written?;
     if let Some(path) = &options.stats {
         let mut report = statistics::report(options, frozen, &rendered, Times { load, write });
-        report["cost"] = prediction.map_or(Value::Null, |it| it.beside(&rendered, elapsed));
+        if let Some(prediction) = prediction {
+            report["cost"] = prediction.beside(&rendered, elapsed);
+        }
         write_json(path, &report)?;
     }
     if let Some(kept) = kept {
