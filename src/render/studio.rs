@@ -55,7 +55,7 @@ impl Studio {
         self.last = None;
     }
 
-    /// Renders as [`render_kept`] does, on the threads that are there, whatever the settings say of them.
+    /// Renders as [`render_kept`](crate::render::render_kept) does, on the threads that are there, whatever the settings say of them.
     pub fn render(
         &mut self,
         scene: &Scene,

@@ -9,7 +9,7 @@ use super::LogArgs;
 /// Which pictures to render, and how many at a time.
 #[derive(Clone, Debug, clap::Args)]
 pub struct BatchArgs {
-    /// Batch files (TOML with [[jobs]]), or scene files, each of which is a job
+    /// Batch files (TOML with jobs), or scene files, each of which is a job
     ///
     /// `specula schema batch` has all keys of a batch file. Files in it are as seen from its folder.
     #[arg(value_name = "FILE", value_hint = ValueHint::FilePath, required = true)]

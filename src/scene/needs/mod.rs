@@ -1,7 +1,7 @@
 //! What a scene requires: each capability with how often it is asked for and by whom first, what that takes or what leaving
 //! it out saves, what had no effect and was left out, and what is odd about sizes, positions and materials.
 //!
-//! The list is made once, when a scene is frozen ([`count`]), and everything else goes by it: building, integrators
+//! The list is made once, when a scene is frozen (`count`), and everything else goes by it: building, integrators
 //! and backends ask [`Scene::uses`], which answers from this list and from what was forced.
 
 mod bytes;
