@@ -62,7 +62,7 @@ fn planned(desk: &Desk, words: &[&str]) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-fn capability<'a>(plan: &'a Value, capability: Capability) -> &'a Value {
+fn capability(plan: &Value, capability: Capability) -> &Value {
     let all = plan["capabilities"].as_array().expect("a list");
     all.iter().find(|it| it["name"] == capability.name()).expect("every capability")
 }
