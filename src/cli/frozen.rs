@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
 use crate::scene::{self, Built, Description, Loaded, Needs, Scene};
+use crate::trust::Trust;
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -27,20 +28,20 @@ pub(super) struct Frozen {
 }
 
 impl Frozen {
-    /// The scene of a file, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
-    pub(super) fn read(path: &Path, overrides: &[String]) -> Result<Self> {
+    /// The scene of a file, trusted so far, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
+    pub(super) fn read(path: &Path, overrides: &[String], trust: &Trust) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
-        let Loaded { description, mut warnings } = scene::load(path, overrides)?;
+        let Loaded { description, mut warnings } = scene::load_within(path, overrides, trust)?;
         let Built { scene, origins, files, warnings: more } =
-            scene::build(&description).inspect_err(|_| log::warn(&warnings))?;
+            scene::build_within(&description, trust).inspect_err(|_| log::warn(&warnings))?;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
         Ok(Self { scene, path: path.to_owned(), warnings, hash, description, files, origins })
     }
 
     /// The same, with all that was odd logged.
-    pub(super) fn told(path: &Path, overrides: &[String]) -> Result<Self> {
-        Self::read(path, overrides).inspect(|frozen| log::warn(&frozen.warnings))
+    pub(super) fn told(path: &Path, overrides: &[String], trust: &Trust) -> Result<Self> {
+        Self::read(path, overrides, trust).inspect(|frozen| log::warn(&frozen.warnings))
     }
 
     /// What it requires.

@@ -29,8 +29,8 @@ use std::process::ExitCode;
 use clap::Parser as _;
 
 pub use args::{
-    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs,
-    MergeArgs, PlanArgs, RenderArgs,
+    Args, BenchArgs, Command, CompletionsArgs, DiffArgs, FuzzyArgs, LimitsArgs, LogArgs, LogFormat, LogLevel,
+    ManArgs, MergeArgs, PlanArgs, RenderArgs, TrustArgs,
 };
 
 use crate::error::{Error, Result};
@@ -65,11 +65,12 @@ pub fn fail(error: &Error) -> ExitCode {
     log::start_if_not_yet();
     match error {
         Error::Input(problems) => problems.0.iter().for_each(|problem| tracing::error!("{problem}")),
+        Error::Refused(problem) => tracing::error!("{problem}"),
         Error::Check(findings) => findings.iter().for_each(|finding| tracing::error!("{finding}")),
         other => tracing::error!("{}", chain(other)),
     }
     ExitCode::from(match error {
-        Error::Input(_) => 2,
+        Error::Input(_) | Error::Refused(_) => 2,
         Error::Io { .. } | Error::Backend { .. } => 1,
         Error::Check(_) => 3,
         Error::Interrupted => 130,

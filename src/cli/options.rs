@@ -3,10 +3,12 @@
 mod bench;
 mod fuzzy;
 mod merge;
+mod trust;
 
 pub(super) use bench::BenchOptions;
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
+pub(super) use trust::Trusted;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -20,6 +22,7 @@ use crate::measure::Metric;
 use crate::measure::flip::Viewing;
 use crate::render::{Limits, Slice};
 use crate::scene::load::words::suggest;
+use crate::trust::{self as files, Trust};
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -43,6 +46,10 @@ pub(super) struct RenderOptions {
     pub(super) limits: Limits,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
+    /// How far the files of the scene are trusted.
+    pub(super) trust: Trust,
+    /// Where somebody looks at the picture while it is made, `HOST:PORT`.
+    pub(super) display: Option<String>,
 }
 
 /// Where copies of a picture under way are kept.
@@ -96,6 +103,8 @@ impl RenderOptions {
             },
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
+            trust: Trusted::new(&args.trust, &mut problems).of(&args.scene),
+            display: args.display.as_deref().and_then(|text| display(text, &mut problems)),
         };
         problems.into_result(options)
     }
@@ -111,6 +120,8 @@ pub(super) struct DiffOptions {
     /// Above it the check says no.
     pub(super) max_error: Option<f64>,
     pub(super) viewing: Viewing,
+    /// What the pictures may ask for.
+    pub(super) limits: files::Limits,
     pub(super) json: bool,
     pub(super) threads: Option<NonZeroUsize>,
 }
@@ -134,6 +145,7 @@ impl DiffOptions {
                 .unwrap_or(Metric::RelMse),
             max_error: args.max_error.as_deref().and_then(|text| max_error(text, &mut problems)),
             viewing: args.ppd.as_deref().and_then(|text| viewing(text, &mut problems)).unwrap_or_default(),
+            limits: trust::limits(&args.limits, &mut problems),
             json: args.json,
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
         };
@@ -241,6 +253,17 @@ fn slice(text: &str, problems: &mut Problems) -> Option<Slice> {
     });
     let remedy = || "give K/N with K from 0 to N - 1, such as 0/8".to_owned();
     given(slice, ("slice", text), "a slice", remedy, problems)
+}
+
+/// A machine and one of its ports.
+fn display(text: &str, problems: &mut Problems) -> Option<String> {
+    let text = text.trim();
+    let is_sound = text.rsplit_once(':').is_some_and(|(host, port)| {
+        let is_host = !host.is_empty() && (!host.contains(':') || host.starts_with('['));
+        is_host && port.parse().is_ok_and(|port: u16| port > 0)
+    });
+    let remedy = || "give HOST:PORT, such as localhost:14158".to_owned();
+    given(is_sound.then(|| text.to_owned()), ("display", text), "a place of a viewer", remedy, problems)
 }
 
 /// Where copies are kept, if anywhere.
@@ -429,6 +452,17 @@ mod tests {
             assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
         }
         for text in ["", "s", "0", "-3", "1d", "1m30s", "nan", "inf", "1e300h"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn viewers_have_a_host_and_a_port() {
+        let parse = |text| display(text, &mut Problems::default());
+        for text in ["localhost:14158", "10.0.0.7:1", "[::1]:14158"] {
+            assert_eq!(parse(text).as_deref(), Some(text), "{text}");
+        }
+        for text in ["", "localhost", ":14158", "localhost:", "localhost:0", "localhost:99999", "::1:14158"] {
             assert_eq!(parse(text), None, "{text}");
         }
     }

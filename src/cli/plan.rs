@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::args::PlanArgs;
 use super::frozen::Frozen;
+use super::options::Trusted;
 use super::{log, output};
 use crate::error::{Problem, Result};
 use crate::integrator::ChosenLights;
@@ -21,7 +22,8 @@ pub(super) fn run(args: &PlanArgs) -> Result<()> {
     log::start(&args.log);
     let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
     let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
-    let frozen = Frozen::read(&args.scene, &overrides)?;
+    let trust = Trusted::alone(&args.trust)?.of(&args.scene);
+    let frozen = Frozen::read(&args.scene, &overrides, &trust)?;
     let text = if args.json { format!("{:#}\n", frozen.plan()) } else { to_text(&frozen, &frozen.needs()) };
     output::print(text.as_bytes())
 }

@@ -10,10 +10,11 @@ use super::args::RenderArgs;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept::{self, Kept};
-use super::options::{Output, RenderOptions};
-use super::progress::{Meter, metric};
+use super::options::{Output, RenderOptions, Trusted};
+use super::progress::{Meter, Shown, metric};
 use super::statistics::{self, Times};
 use super::{log, options, output, threads};
+use crate::display::Display;
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
@@ -38,9 +39,11 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     let kept = options.checkpoint.as_ref().map(|it| Kept::new(it, &options, about.clone()));
     let begin = kept.as_ref().map_or(Ok(None), Kept::begin)?;
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
+    let display = display(&options, scene)?;
     let settings = settings(&options, start);
     let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-    let rendered = render::render_kept(scene, &settings, &meter, render::Kept { begin, keeper });
+    let shown = Shown { meter: &meter, display: display.as_ref() };
+    let rendered = render::render_kept(scene, &settings, &shown, render::Kept { begin, keeper });
     meter.finish();
     let rendered = rendered?;
     tell(&options, scene, &rendered);
@@ -57,7 +60,19 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     if let Some(kept) = kept {
         kept.remove();
     }
+    if let Some(display) = display {
+        display.finish(&rendered.film);
+    }
     output::print(names(&options).as_bytes())
+}
+
+/// Where the picture is shown while it is made, if anywhere.
+fn display(options: &RenderOptions, scene: &Scene) -> Result<Option<Display>> {
+    let Some(place) = &options.display else { return Ok(None) };
+    let (name, full) = (options.scene.display().to_string(), [scene.film.width, scene.film.height]);
+    let warn = Box::new(|what: String| tracing::warn!("{what}"));
+    let failed = |error: std::io::Error| Error::Backend { backend: "threads", what: error.to_string() };
+    Display::start(place, &name, full, warn).map(Some).map_err(failed)
 }
 
 /// What the scene does not say. The limit of time began at `start`.
@@ -77,7 +92,9 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
 
 /// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
 fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
-    match (error, scene::load(&args.scene, &options::overrides(args))) {
+    let Ok(trusted) = Trusted::alone(&args.trust) else { return error };
+    let loaded = scene::load_within(&args.scene, &options::overrides(args), &trusted.of(&args.scene));
+    match (error, loaded) {
         (Error::Input(mut problems), Err(Error::Input(more))) => {
             problems.0.extend(more.0);
             Error::Input(problems)
@@ -88,7 +105,7 @@ fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
 
 /// The frozen scene, and what it is of, where that is to be kept; warnings are logged.
 fn load(options: &RenderOptions) -> Result<(Frozen, Value)> {
-    let frozen = Frozen::told(&options.scene, &options.overrides)?;
+    let frozen = Frozen::told(&options.scene, &options.overrides, &options.trust)?;
     let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
     let about = if is_kept { kept::about(options, &frozen)? } else { Value::Null };
     Ok((frozen, about))

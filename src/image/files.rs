@@ -7,9 +7,12 @@ use image::{DynamicImage, ImageDecoder, ImageError};
 
 use crate::error::{Error, Place, Problem, Result};
 
+/// What is said where a file cannot be read.
+pub(super) const UNREAD: &str = "cannot read";
+
 /// That a file cannot be read.
-pub(super) fn unread(path: &Path, source: io::Error) -> Error {
-    Error::Io { path: path.to_owned(), what: "cannot read", source }
+fn unread(path: &Path, source: io::Error) -> Error {
+    Error::Io { path: path.to_owned(), what: UNREAD, source }
 }
 
 /// That a file is not what it should be, or that it cannot be read.

@@ -2,27 +2,31 @@
 //!
 //! The header's EXPOSURE is not applied, as in most renderers, but told. Ward, 1991, "Real pixels", in Graphics Gems II.
 
-use std::fs::File;
-use std::io::{BufReader, Read as _, Seek as _, SeekFrom};
 use std::path::Path;
 
 use image::codecs::hdr::HdrDecoder;
 
-use super::buffer::{Repairs, check_size};
+use super::buffer::{Repairs, check_claim, check_size};
 use super::{Decoded, Image, Range, Window, files};
 use crate::error::{Place, Problem, Result};
 use crate::math::Rgb;
+use crate::trust::Limits;
 
-/// The picture in a Radiance file.
-pub(super) fn read(path: &Path) -> Result<Decoded> {
+/// Most pixels that one byte of a file can hold: runs end with rows, whose ends take four bytes, and hold up to 65536 pixels of equal colour.
+const MAX_PIXELS_PER_BYTE: u64 = 65536 / 4;
+
+/// The picture in the bytes of a Radiance file; `path` is for messages.
+pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Decoded> {
     const KIND: &str = "Radiance";
-    let unread = |error| files::unread(path, error);
-    let mut file = BufReader::new(File::open(path).map_err(unread)?);
-    let strict = starts_with_radiance(&mut file).map_err(unread)?;
+    // Many start with `#?RGBE` instead of what the standard says, which only a lenient reader takes.
+    let strict = !bytes.starts_with(b"#?RGBE");
     let decoder =
-        HdrDecoder::with_strictness(file, strict).map_err(|error| files::refused(path, KIND, error))?;
+        HdrDecoder::with_strictness(bytes, strict).map_err(|error| files::refused(path, KIND, error))?;
     let header = decoder.metadata();
-    check_size(path, header.width.into(), header.height.into())?;
+    let size = [header.width, header.height].map(u64::from);
+    check_size(path, size, limits)?;
+    check_claim(path, size, bytes.len(), MAX_PIXELS_PER_BYTE)?;
+    check_claim(path, [1, size[1]], bytes.len(), 1)?;
     let picture = files::decoded(path, KIND, decoder)?.into_rgb32f();
     let mut repairs = Repairs::default();
     let pixels = picture.pixels().map(|p| {
@@ -42,23 +46,12 @@ pub(super) fn read(path: &Path) -> Result<Decoded> {
     Ok(Decoded { image, range, alpha: None, window, full: [header.width, header.height], warnings })
 }
 
-/// Whether the file starts as the standard says. Many start with `#?RGBE` instead, which only a lenient reader takes.
-fn starts_with_radiance(file: &mut BufReader<File>) -> std::io::Result<bool> {
-    let mut start = Vec::new();
-    file.by_ref().take(6).read_to_end(&mut start)?;
-    file.seek(SeekFrom::Start(0))?;
-    Ok(start != *b"#?RGBE")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn read_bytes(bytes: &[u8]) -> Result<Decoded> {
-        let dir = tempfile::tempdir().expect("a directory");
-        let path = dir.path().join("a.hdr");
-        std::fs::write(&path, bytes).expect("written");
-        read(&path)
+        decode(bytes, Path::new("a.hdr"), &Limits::default())
     }
 
     /// Two pixels without run lengths: 2^(129 - 128) * 64/256 = 0.5 and black.

@@ -20,7 +20,7 @@ use crate::post::{self, End, Filtered, Fuzzy, GBuffer, Mirror, Texel};
 use crate::render::eye::Eye;
 use crate::render::query::level;
 use crate::render::samples::CameraSamples;
-use crate::render::tiles::{Plan, outputs};
+use crate::render::tiles::{Plan, outputs, tiles};
 use crate::render::{Ended, Phase, Rendered, Settings, Statistics};
 use crate::sampling::{Dim, Sampler, Vertex};
 use crate::scene::Scene;
@@ -94,6 +94,9 @@ fn passes<A: Accel>(plan: &Plan<'_>, accel: &A, tree: &Whitted) -> Result<Render
         };
         pass.add(&mut tile, (&g, &filtered));
         film.put(&tile);
+        if plan.progress.looks_every().is_some() {
+            tiles(plan.window).into_iter().for_each(|part| plan.progress.show(&film.part(part)));
+        }
         if plan.first_pass {
             first_pass.push(g);
         }

@@ -14,11 +14,11 @@ mod record;
 pub mod schema;
 mod track;
 
-pub use build::{Built, build};
+pub use build::{Built, build, build_within};
 pub use description::{Description, Direct, GlassShadows};
 pub use fingerprint::fingerprint;
 pub use frozen::Scene;
 pub use identity::{differences, identity};
-pub use load::{Loaded, load};
+pub use load::{Loaded, load, load_within};
 pub use needs::Needs;
 pub use schema::schema;

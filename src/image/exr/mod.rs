@@ -10,7 +10,7 @@ mod write;
 
 use std::path::Path;
 
-pub use read::{ChannelInfo, channels, read};
+pub use read::{ChannelInfo, channels, decode, read, read_within};
 pub use write::write;
 
 use super::buffer::Repairs;

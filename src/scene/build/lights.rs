@@ -120,7 +120,10 @@ impl Builder {
         let environment = match sky {
             Sky::Constant { radiance } => Environment::Constant(radiance.scale(scale)),
             Sky::File { file } => {
-                let decoded = match image::read(&file.value) {
+                if !self.may_read(1, &file.place) {
+                    return;
+                }
+                let decoded = match image::read_within(&file.value, &self.trust) {
                     Ok(decoded) => decoded,
                     Err(error) => return self.problems.absorb(error, Some(&file.place)),
                 };

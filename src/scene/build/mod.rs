@@ -26,6 +26,7 @@ use crate::material::{Material, MaterialId};
 use crate::scene::Scene;
 use crate::scene::description::{Description, FuzzyBy, GlassShadows};
 use crate::scene::frozen::Surface;
+use crate::trust::{Excess, Limit, Trust};
 use glam::{DVec3, Vec3};
 use origin::Origin;
 use shutter::Shutter;
@@ -47,13 +48,19 @@ pub struct Built {
     pub warnings: Vec<Problem>,
 }
 
-/// Reads the files that `description` names and freezes the scene. Fails with all problems of all files.
+/// Reads the files that `description` names, trusted within the usual limits, and freezes the scene. Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
+    build_within(description, &Trust::default())
+}
+
+/// The same of files that are trusted so far.
+pub fn build_within(description: &Description, trust: &Trust) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
-    let mut builder = Builder { shutter, origin, fresnel, jitters, ..Builder::default() };
+    let trust = trust.clone();
+    let mut builder = Builder { shutter, origin, fresnel, jitters, trust, ..Builder::default() };
     builder.add_materials(&description.materials);
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
@@ -102,11 +109,46 @@ struct Builder {
     textures: Textures,
     /// Files of materials.
     files: Vec<PathBuf>,
+    /// How far files are trusted.
+    trust: Trust,
+    /// What they have asked for so far.
+    taken: Taken,
+    /// Of what it was told that it is too much.
+    told: [bool; Limit::ALL.len()],
     problems: Problems,
     warnings: Vec<Problem>,
 }
 
+/// What the files of a scene ask for together.
+#[derive(Debug, Default)]
+struct Taken {
+    files: u64,
+    triangles: u64,
+    texels: u64,
+}
+
 impl Builder {
+    /// Counts files that are read; reports those that are too many, which are not to be read.
+    fn may_read(&mut self, files: usize, place: &Place) -> bool {
+        self.taken.files += files as u64;
+        self.may_take(Limit::Files, self.taken.files, place)
+    }
+
+    /// Counts the triangles of a mesh; reports those that are too many, whose mesh is to be dropped.
+    fn may_hold(&mut self, triangles: usize, place: &Place) -> bool {
+        self.taken.triangles += triangles as u64;
+        self.may_take(Limit::Triangles, self.taken.triangles, place)
+    }
+
+    /// Whether the scene may have so much of something; reported at a place, once, where not.
+    fn may_take(&mut self, limit: Limit, taken: u64, place: &Place) -> bool {
+        let Err(excess) = self.trust.limits.check(limit, taken) else { return true };
+        if !std::mem::replace(&mut self.told[limit as usize], true) {
+            self.problems.push(too_much(&excess, place));
+        }
+        false
+    }
+
     fn add_material(&mut self, name: String, material: Material) -> MaterialId {
         let id = MaterialId(number(self.materials.len()));
         self.names.materials.push(name);
@@ -141,6 +183,12 @@ impl Builder {
         self.origins.push(origin.clone());
         self.world.place(shape, pose)
     }
+}
+
+/// That the files of a scene ask for too much, known at the place of one of them.
+fn too_much(excess: &Excess, place: &Place) -> Problem {
+    let what = format!("with this the scene has {excess}");
+    Problem::at(place.clone(), what).remedy(excess.remedy())
 }
 
 /// The direction of a vector of any length but zero. Single precision does not hold the squares of long and short ones, and

@@ -7,7 +7,7 @@ use crate::material::{Emission, MaterialId};
 use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
-use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
+use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_within};
 use crate::scene::track::Track;
 use glam::{DAffine3, DVec3, Vec2};
 use std::collections::{HashMap, HashSet};
@@ -200,9 +200,17 @@ impl Builder {
         file: &Located<PathBuf>,
         shading: impl Into<Shading>,
     ) -> Option<LoadedMesh> {
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
         let about = if self.origin.is_moved() { About::Middle } else { About::Needed };
-        match load_mesh_about(&file.value, shading, about) {
+        match load_mesh_within(&file.value, shading, about, &self.trust) {
             Ok(mut loaded) => {
+                let may = self.may_read(loaded.libraries.len(), &file.place)
+                    && self.may_hold(loaded.mesh.triangles().len(), &file.place);
+                if !may {
+                    return None;
+                }
                 self.warnings.append(&mut loaded.warnings);
                 self.files.append(&mut loaded.libraries);
                 Some(loaded)

@@ -37,6 +37,10 @@ impl Builder {
     pub(super) fn height_field(&mut self, form: &Form, origin: DVec3, place: &Place) -> Option<Shape> {
         let Form::HeightField { file, center, size, height, normals } = form else { return None };
         let field = self.heights_of_file(file, *height)?;
+        let [columns, rows] = field.counts().map(|count| count as usize - 1);
+        if !self.may_hold(2 * columns * rows, &file.place) {
+            return None;
+        }
         let smooth = *normals == HeightNormals::Smooth;
         self.mesh_of(field.mesh((*center - origin).as_vec3(), Vec2::from(*size), smooth), place)
     }
@@ -54,7 +58,10 @@ impl Builder {
     }
 
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
-        let picture = match image::read_gray(&file.value) {
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
+        let picture = match image::read_gray_within(&file.value, &self.trust) {
             Ok(picture) => picture,
             Err(error) => {
                 self.problems.absorb(error, Some(&file.place));

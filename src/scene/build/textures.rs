@@ -1,11 +1,12 @@
 //! Pictures on surfaces, each file read once.
 
 use crate::error::{Error, Problem};
-use crate::image::read_raster;
+use crate::image::read_raster_within;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
+use crate::trust::Limit;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -166,8 +167,16 @@ impl Builder {
     }
 
     fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Bitmap> {
-        let raster = match read_raster(&file.value) {
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
+        let raster = match read_raster_within(&file.value, &self.trust) {
             Ok(raster) => raster,
+            // Right or wrong, it is not what a lenient reader makes up for.
+            Err(error @ Error::Refused(_)) => {
+                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                return None;
+            }
             Err(error) => {
                 let what = match error {
                     Error::Input(problems) => problems.to_string(),
@@ -182,6 +191,10 @@ impl Builder {
                 return None;
             }
         };
+        self.taken.texels += u64::from(raster.width) * u64::from(raster.height);
+        if !self.may_take(Limit::Textures, self.taken.texels, &file.place) {
+            return None;
+        }
         self.warnings.extend(raster.warnings.iter().cloned());
         let own = if raster.encoded { Space::Srgb } else { Space::Linear };
         Some(Bitmap::new(&raster, space.unwrap_or(own)))

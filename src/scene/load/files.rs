@@ -1,11 +1,15 @@
 //! Files that scenes name.
 
 use crate::scene::load::words;
+use crate::trust::Trust;
 use std::path::Path;
 
-/// What is wrong with a file that is to be read, and what to do about it; `None` if it is there and its extension is
-/// one of `extensions`, if any are given.
-pub(crate) fn fault(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
+/// What is wrong with a file that is to be read, and what to do about it; `None` if it lies where it may, is there and its extension is
+/// one of `extensions`, if any are given. Of files elsewhere nothing is told, not even whether they are there.
+pub(crate) fn fault(path: &Path, extensions: &[&str], trust: &Trust) -> Option<(String, String)> {
+    if let Some(outside) = trust.outside(path) {
+        return Some(outside);
+    }
     let shown = path.display();
     if path.is_dir() {
         return Some((format!("`{shown}` is a directory"), "name a file in it".into()));

@@ -1,20 +1,26 @@
 //! From files that include each other to one tree.
 
+use crate::error::{Error, Place};
 use crate::scene::description::Located;
 use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
 use crate::scene::load::{files, words};
 use crate::scene::record::{Rules, Value};
+use crate::trust::{Excess, Limit, Trust};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How deep files may include each other: more is an accident, and bounds the recursion.
-const MAX_DEPTH: usize = 32;
+/// How deep files may include each other whatever limits say: more might be too much for the stack.
+const DEEPEST: u64 = 1000;
 
 /// Reads files, each once.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Reader {
+    /// How far they are trusted.
+    trust: Arc<Trust>,
+    /// Bytes read so far.
+    bytes: u64,
     /// Files that are being read, outermost first, with where their includes stand.
     open: Vec<(PathBuf, Option<Spot>)>,
     /// Files that were read.
@@ -24,6 +30,11 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
+    /// Has read nothing yet.
+    pub(crate) fn new(trust: Arc<Trust>) -> Self {
+        Self { trust, bytes: 0, open: vec![], done: vec![], incomplete: false }
+    }
+
     /// The tree of a file and of what it includes; `None` with the problems reported where nothing could be read.
     /// `from` is where it is included.
     pub(crate) fn read(&mut self, path: &Path, from: Option<&Spot>, report: &mut Report) -> Option<Node> {
@@ -38,15 +49,19 @@ impl Reader {
         }
         self.done.push(identity.clone());
         let order = self.done.len();
-        let read = match std::fs::read(path) {
-            Ok(bytes) => parse(path, bytes, order, report),
+        let read = match self.bytes_of(path, from.is_some()) {
+            Ok(bytes) => parse(path, bytes, (order, &self.trust), report),
             Err(error) => {
                 let spot = from.cloned().unwrap_or_else(|| whole(path));
-                match files::fault(path, &[]) {
-                    Some((what, remedy)) => report.error(&spot, what, remedy),
-                    None => {
-                        let what = format!("cannot read `{}`: {error}", path.display());
-                        report.error_without_remedy(&spot, what);
+                match (error, files::fault(path, &[], &self.open_trust(from.is_some()))) {
+                    (Error::Refused(problem), _) => {
+                        let what = format!("`{}` is not read: {}", path.display(), problem.what);
+                        report.error(&spot, what, problem.remedy.unwrap_or_default());
+                    }
+                    (_, Some((what, remedy))) => report.error(&spot, what, remedy),
+                    (error, None) => {
+                        let cause = std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string);
+                        report.error_without_remedy(&spot, format!("cannot read `{}`: {cause}", path.display()));
                     }
                 }
                 None
@@ -62,6 +77,22 @@ impl Reader {
         Some(tree)
     }
 
+    /// All that a file holds, if that is not too much.
+    fn bytes_of(&mut self, path: &Path, is_included: bool) -> crate::error::Result<Vec<u8>> {
+        let trust = self.open_trust(is_included);
+        let too_many = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
+        trust.limits.check(Limit::Files, self.done.len() as u64).map_err(too_many)?;
+        let bytes = trust.read_counted(path, "cannot read", (Limit::SceneBytes, self.bytes))?;
+        self.bytes += bytes.len() as u64;
+        Ok(bytes)
+    }
+
+    /// How far a file is trusted: the one that the user named may lie anywhere.
+    fn open_trust(&self, is_included: bool) -> Trust {
+        let Trust { limits, sandbox } = &*self.trust;
+        Trust { limits: *limits, sandbox: sandbox.clone().filter(|_| is_included) }
+    }
+
     /// The tree of `own` on top of those it includes.
     fn read_includes(&mut self, own: Node, report: &mut Report) -> Node {
         let mut base = Node::empty_table(own.spot.clone());
@@ -74,9 +105,12 @@ impl Reader {
                 self.incomplete = true;
                 continue;
             };
-            if self.open.len() >= MAX_DEPTH {
-                let what = format!("files include each other more than {MAX_DEPTH} deep");
-                report.error(&item.spot, what, "include files directly");
+            let most = self.trust.limits.most(Limit::IncludeDepth).unwrap_or(DEEPEST).min(DEEPEST);
+            if self.open.len() as u64 >= most {
+                let what = format!("files include each other more than {most} deep");
+                let allow = format!(", or allow more by `--limits include_depth={}`", most + 1);
+                let allow = if most < DEEPEST { allow } else { String::new() };
+                report.error(&item.spot, what, format!("include files directly{allow}"));
                 self.incomplete = true;
                 continue;
             }
@@ -104,19 +138,24 @@ fn whole(path: &Path) -> Spot {
     Spot { source: Source::unread(path).into(), offset: 0 }
 }
 
-fn parse(path: &Path, bytes: Vec<u8>, order: usize, report: &mut Report) -> Option<Node> {
+fn parse(
+    path: &Path,
+    bytes: Vec<u8>,
+    (order, trust): (usize, &Arc<Trust>),
+    report: &mut Report,
+) -> Option<Node> {
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
             let offset = error.utf8_error().valid_up_to();
             let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            let spot = Spot { source: Source::file(path, text, order).into(), offset };
+            let spot = Spot { source: Source::file(path, text, order, trust).into(), offset };
             report.error(&spot, "the file is not UTF-8 from here on", "save it as UTF-8");
             return None;
         }
     };
     let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
-    Node::parse(&Arc::new(Source::file(path, text, order)), report)
+    Node::parse(&Arc::new(Source::file(path, text, order, trust)), report)
 }
 
 /// Puts `over` on top of `base`, both being tables of a whole file.

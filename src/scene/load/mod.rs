@@ -10,6 +10,7 @@
 
 pub(crate) mod check;
 pub(crate) mod decode;
+mod asked;
 mod files;
 mod merge;
 mod mesh;
@@ -27,10 +28,12 @@ use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
 use crate::scene::load::node::Node;
 use crate::scene::record::{Rules, Value};
+use crate::trust::Trust;
 use merge::Reader;
-pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
+pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, load_mesh_within};
 use report::Report;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scene as its files say.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,19 +47,27 @@ pub struct Loaded {
 /// The description in the scene file at `path`, with values replaced by `overrides` of the form `key=value`, the key
 /// being a dotted path.
 ///
-/// Fails with everything wrong with the files and the overrides, each with its place and a remedy.
+/// Files are trusted within the usual limits. Fails with everything wrong with the files and the overrides, each with its place and a
+/// remedy.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
+    load_within(path, overrides, &Trust::default())
+}
+
+/// The same of files that are trusted so far; overrides are trusted no farther.
+pub fn load_within(path: &Path, overrides: &[String], trust: &Trust) -> Result<Loaded> {
     let mut report = Report::default();
-    let mut reader = Reader::default();
+    let trust = Arc::new(trust.clone());
+    let mut reader = Reader::new(trust.clone());
     let Some(mut tree) = reader.read(path, None, &mut report) else {
         return report.into_result(None);
     };
-    for (index, text) in overrides.iter().enumerate() {
-        overrides::apply(&mut tree, text, index, &mut report);
-    }
+    overrides::apply(&mut tree, overrides, &trust, &mut report);
     let description = Description::decode(&tree, "scene", &Rules::default(), &mut report);
     if !reader.incomplete {
-        references::check(&tree, &mut report);
+        references::check(&tree, &trust.limits, &mut report);
+    }
+    if let Some(description) = &description {
+        asked::check(&tree, description, &trust.limits, &mut report);
     }
     let description = report.into_result(description)?;
     let warnings = warnings(&description);
@@ -69,9 +80,7 @@ pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
 pub fn fuzzy_filter(settings: &[String]) -> Result<FuzzyFilter> {
     let mut report = Report::default();
     let mut tree = Node::nowhere();
-    for (index, text) in settings.iter().enumerate() {
-        overrides::apply(&mut tree, text, index, &mut report);
-    }
+    overrides::apply(&mut tree, settings, &Arc::default(), &mut report);
     let filter = FuzzyFilter::decode(&tree, "fuzzy", &Rules::default(), &mut report);
     report.into_result(filter)
 }

@@ -6,15 +6,16 @@
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::words;
+use crate::trust::{Limit, Limits};
 use std::collections::{HashMap, HashSet};
 
 /// Types of shapes that bring no material of their own.
 const WITHOUT_MATERIALS: [&str; 8] =
     ["sphere", "disc", "rectangle", "box", "cylinder", "cone", "torus", "height_field"];
 
-/// Reports names given twice, references to nothing, shapes without a material, and shapes that are instances of
-/// themselves.
-pub(crate) fn check(tree: &Node, report: &mut Report) {
+/// Reports names given twice, references to nothing, shapes without a material, shapes that are instances of
+/// themselves, and instances of instances beyond what `limits` allow.
+pub(crate) fn check(tree: &Node, limits: &Limits, report: &mut Report) {
     let materials: Vec<&str> = tree
         .get("materials")
         .and_then(Node::entries)
@@ -29,7 +30,7 @@ pub(crate) fn check(tree: &Node, report: &mut Report) {
         check_material(shape, &known, &materials, report);
         check_instance(shape, &names, report);
     }
-    check_cycles(shapes, &names, report);
+    check_chains(shapes, &names, limits, report);
 }
 
 /// Shapes by name.
@@ -116,21 +117,41 @@ fn prototype(shape: &Node) -> Option<(&Node, &str)> {
     Some((node, node.text()?))
 }
 
-/// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first.
-fn check_cycles<'a>(shapes: &'a [Node], names: &HashMap<&'a str, &'a Node>, report: &mut Report) {
-    let mut finished: HashSet<*const Node> = HashSet::new();
+/// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first, and so is the first chain that is too
+/// long.
+fn check_chains<'a>(
+    shapes: &'a [Node],
+    names: &HashMap<&'a str, &'a Node>,
+    limits: &Limits,
+    report: &mut Report,
+) {
+    let mut told = false;
+    // How many instances lead from a shape to one that is none.
+    let mut lengths: HashMap<*const Node, u64> = HashMap::new();
     for shape in shapes {
         let mut trail: Vec<&Node> = vec![];
+        let mut places: HashMap<*const Node, usize> = HashMap::new();
         let mut next = Some(shape);
-        while let Some(here) = next.filter(|here| !finished.contains(&std::ptr::from_ref::<Node>(here))) {
-            if let Some(start) = trail.iter().position(|past| std::ptr::eq(*past, here)) {
+        while let Some(here) = next.filter(|here| !lengths.contains_key(&std::ptr::from_ref::<Node>(here))) {
+            if let Some(&start) = places.get(&std::ptr::from_ref(here)) {
                 report_cycle(&trail[start..], report);
                 break;
             }
+            places.insert(here, trail.len());
             trail.push(here);
             next = prototype(here).and_then(|(_, name)| names.get(name).copied());
         }
-        finished.extend(trail.into_iter().map(std::ptr::from_ref));
+        let known = next.and_then(|next| lengths.get(&std::ptr::from_ref::<Node>(next)));
+        let mut length = known.map_or(0, |known| known + 1);
+        for here in trail.into_iter().rev() {
+            if !told && let Err(excess) = limits.check(Limit::Nesting, length) {
+                let what = format!("an instance of an instance and so on: {excess}");
+                report.error(&here.spot, what, excess.remedy());
+                told = true;
+            }
+            lengths.insert(here, length);
+            length += 1;
+        }
     }
 }
 

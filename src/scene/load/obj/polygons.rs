@@ -104,6 +104,11 @@ impl Polygons {
         any
     }
 
+    /// How many triangles all polygons are cut into.
+    pub(super) fn triangles(&self) -> usize {
+        self.corners.len() - 2 * self.polygons.len()
+    }
+
     /// The corners of each polygon, and which of the outline's materials it has.
     pub(super) fn iter(&self) -> impl Iterator<Item = (&[Corner], Option<u16>)> {
         let mut left = &self.corners[..];
