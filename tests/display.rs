@@ -144,7 +144,7 @@ fn compare(received: &Received, picture: &exr::Picture) {
     let Window { x0, y0, x1, y1 } = picture.window;
     assert_eq!(picture.full.map(|size| size as usize), received.size, "size");
     assert_eq!(received.channels.keys().collect::<Vec<_>>(), ["A", "B", "G", "R"], "channels");
-    for (name, shown) in &received.channels {
+    for name in received.channels.keys() {
         let Some(Samples::Float(stored)) = picture.channel(name) else { panic!("no channel {name}") };
         let shown = (y0..y1).flat_map(|y| (x0..x1).map(move |x| y as usize * received.size[0] + x as usize));
         let shown: Vec<u32> = shown.map(|i| received.channels[name][i].to_bits()).collect();
@@ -155,7 +155,9 @@ fn compare(received: &Received, picture: &exr::Picture) {
 
 #[test]
 fn a_viewer_has_the_picture_of_the_file() {
-    for words in [&[][..], &["--crop", "20,10,130,61"], &["--integrator", "whitted", "-D", "render.glossy=two-pass"]] {
+    for words in
+        [&[][..], &["--crop", "20,10,130,61"], &["--integrator", "whitted", "-D", "render.glossy=two-pass"]]
+    {
         let desk = desk();
         let (listener, place) = listener();
         let received = receiver(listener);
@@ -240,7 +242,8 @@ fn a_viewer_that_is_not_there_is_told_of_once() {
 fn a_viewer_that_comes_late_has_it_all() {
     let (listener, place) = listener();
     drop(listener);
-    let display = specula::display::Display::start(&place, "late", [3, 2], Box::new(|_| {})).expect("a thread");
+    let display =
+        specula::display::Display::start(&place, "late", [3, 2], Box::new(|_| {})).expect("a thread");
     // Nobody is there when the first tile comes; the viewer is before the picture is done.
     thread::sleep(Duration::from_millis(300));
     let received = receiver(TcpListener::bind(&place).expect("the same port"));

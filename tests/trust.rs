@@ -44,15 +44,45 @@ fn what_is_asked_for_is_limited() {
         [[shapes]]\ntype = 'instance'\nname = 's2'\nof = 's1'\n";
     // What is asked for, a limit that refuses it and one that just does not, and the place and what is told.
     let cases: [(&str, String, &str, &str, &str); 13] = [
-        ("pixels", String::new(), "47", "48", "scene.toml:3:10: a picture of 8 by 6 pixels is too large: 48 pixels"),
+        (
+            "pixels",
+            String::new(),
+            "47",
+            "48",
+            "scene.toml:3:10: a picture of 8 by 6 pixels is too large: 48 pixels",
+        ),
         ("samples", String::new(), "95", "96", "scene.toml:5:7: 2 samples of 8 by 6 pixels are too many: 96"),
         ("triangles", shape(MESH), "1", "2", "a.obj: 2 triangles in all, and 1 are allowed"),
         ("triangles", shape("type = 'mesh'\nfile = 'a.ply'"), "0", "2", "a.ply:7: 1 triangles in all"),
         ("triangles", shape("type = 'mesh'\nfile = 'a.ply'"), "1", "2", "a.ply: 2 triangles in all"),
-        ("triangles", shape(MESH).repeat(2), "3", "4", "scene.toml:18:8: with this the scene has 4 triangles"),
-        ("triangles", shape("type = 'height_field'\nfile = 'a.png'"), "23", "24", "scene.toml:15:8: with this"),
-        ("texels", picture.to_owned(), "19", "20", "a.png: a picture of 5 by 4 pixels is too large: 20 texels"),
-        ("textures", picture.to_owned(), "19", "20", "scene.toml:14:24: with this the scene has 20 texels in all"),
+        (
+            "triangles",
+            shape(MESH).repeat(2),
+            "3",
+            "4",
+            "scene.toml:18:8: with this the scene has 4 triangles",
+        ),
+        (
+            "triangles",
+            shape("type = 'height_field'\nfile = 'a.png'"),
+            "23",
+            "24",
+            "scene.toml:15:8: with this",
+        ),
+        (
+            "texels",
+            picture.to_owned(),
+            "19",
+            "20",
+            "a.png: a picture of 5 by 4 pixels is too large: 20 texels",
+        ),
+        (
+            "textures",
+            picture.to_owned(),
+            "19",
+            "20",
+            "scene.toml:14:24: with this the scene has 20 texels in all",
+        ),
         ("bytes", shape(MESH), "49", "500", "a.obj: 50 bytes, and 49 are allowed"),
         ("scene_bytes", String::new(), "100", "1e4", "scene.toml: `scene.toml` is not read: "),
         ("files", shape(MESH).repeat(2), "1", "2", "scene.toml:18:8: with this the scene has 2 files"),
@@ -112,7 +142,9 @@ fn nothing_is_too_deep_for_the_stack() {
     let key = ["a"; 70].join(".");
     let bomb = format!("{}1{}", format!("{{ {key} = ").repeat(70), " }".repeat(70));
     let array = format!("{}{}", "[".repeat(70), "]".repeat(70));
-    for (text, place) in [(format!("x = {bomb}\n"), "scene.toml:1:"), (format!("x = {array}\n"), "scene.toml:1:")] {
+    for (text, place) in
+        [(format!("x = {bomb}\n"), "scene.toml:1:"), (format!("x = {array}\n"), "scene.toml:1:")]
+    {
         let desk = desk("");
         fs::write(desk.path("scene.toml"), format!("{text}{SCENE}")).expect("written");
         let (status, log) = render(&desk, &[]);
@@ -140,9 +172,15 @@ fn all_commands_that_read_know_limits() {
     told(&["bench", "scene.toml", "--quick", "--limits", "pixels=7"], "scene.toml:3:10: a picture of 8 by 6");
     let (status, log) = render(&desk, &["-o", "a.part"]);
     assert_eq!(status, 0, "{log}");
-    told(&["merge", "a.part", "-o", "b.exr", "--limits", "pixels=47"], "a.part: 48 pixels, and 47 are allowed");
+    told(
+        &["merge", "a.part", "-o", "b.exr", "--limits", "pixels=47"],
+        "a.part: 48 pixels, and 47 are allowed",
+    );
     told(&["merge", "a.part", "-o", "b.exr", "--limits", "bytes=9"], "bytes, and 9 are allowed");
-    told(&["diff", "a.exr", "a.exr", "--limits", "texels=47"], "a.exr: a picture of 8 by 6 pixels is too large");
+    told(
+        &["diff", "a.exr", "a.exr", "--limits", "texels=47"],
+        "a.exr: a picture of 8 by 6 pixels is too large",
+    );
     told(&["fuzzy", "a.exr", "-o", "b.exr", "--limits", "texels=47"], "a.exr: a picture of 8 by 6 pixels");
     told(&["render", "scene.toml", "--limits", "texel=3"], "did you mean `texels`?");
     told(&["plan", "scene.toml", "--limits", "texels=few"], "`--limits texels=few` is not a limit");
@@ -186,7 +224,11 @@ fn claims_of_terabytes_are_refused_whatever_the_limits() {
     for (name, bytes, rest, without) in cases {
         let desk = desk(rest);
         let scene = fs::read_to_string(desk.path("scene.toml")).expect("there");
-        let scene = if name == "a.hdr" { scene.replacen("type = 'environment'\nradiance = 1", "type = 'point'\nintensity = 1", 1) } else { scene };
+        let scene = if name == "a.hdr" {
+            scene.replacen("type = 'environment'\nradiance = 1", "type = 'point'\nintensity = 1", 1)
+        } else {
+            scene
+        };
         fs::write(desk.path("scene.toml"), scene).expect("written");
         fs::write(desk.path(name), bytes).expect("written");
         let (status, log) = render(&desk, &["--limits", "none"]);
@@ -220,7 +262,8 @@ fn a_sandbox_is_not_left() {
     let inside = desk.path("in/a.obj").canonicalize().expect("there").display().to_string();
     let mesh = |file: &str| shape(&format!("type = 'mesh'\nfile = '{file}'"));
     let own = |file: &str| format!("[[shapes]]\ntype = 'mesh'\nfile = '{file}'\n");
-    let picture = |file: &str| format!("[materials.p]\ntype = 'diffuse'\nreflectance = {{ file = '{file}' }}\n");
+    let picture =
+        |file: &str| format!("[materials.p]\ntype = 'diffuse'\nreflectance = {{ file = '{file}' }}\n");
     let run = |top: &str, rest: &str, words: &[&str]| {
         write("in/scene.toml", &format!("{top}{SCENE}{rest}"));
         let all = [&["render", "in/scene.toml", "-o", "a.exr", "-q"], words].concat();
@@ -237,7 +280,11 @@ fn a_sandbox_is_not_left() {
         ("", mesh("up/out.obj"), "in/scene.toml:15:8: "),
         ("", mesh("sub/../../out.obj"), "in/scene.toml:15:8: "),
         ("", picture("../out.png"), "in/scene.toml:14:24: "),
-        ("", format!("[[lights]]\ntype = 'mesh'\nradiance = 1\nfile = '{absolute}'\n"), "in/scene.toml:15:8: "),
+        (
+            "",
+            format!("[[lights]]\ntype = 'mesh'\nradiance = 1\nfile = '{absolute}'\n"),
+            "in/scene.toml:15:8: ",
+        ),
         ("", own("mtl.obj"), "in/mtl.obj:1: `in/../out.mtl` is not read: "),
         ("", own("map.obj"), "in/map.mtl:2: "),
     ];

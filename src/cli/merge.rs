@@ -83,7 +83,9 @@ fn merge(options: &MergeOptions, interrupt: &Interrupt) -> Result<Merged> {
     for index in render::order(&outlines) {
         interrupt.check()?;
         let path = &options.parts[index];
-        let part = match file(path, &options.limits).and_then(|file| file.read().map_err(|what| unreadable(path, what))) {
+        let part = match file(path, &options.limits)
+            .and_then(|file| file.read().map_err(|what| unreadable(path, what)))
+        {
             Ok(part) if part.outline == *outlines[index] && part.about == about => part,
             Ok(_) => {
                 problems.push(unreadable(path, "it was replaced meanwhile".to_owned()));
@@ -141,10 +143,7 @@ fn outlines(paths: &[PathBuf], limits: &Limits) -> Result<(Vec<Outline>, Value)>
 }
 
 /// A file of a part, which asks for no more than is allowed.
-fn file(
-    path: &Path,
-    limits: &Limits,
-) -> std::result::Result<PartFile<Box<dyn std::io::Read>>, Problem> {
+fn file(path: &Path, limits: &Limits) -> std::result::Result<PartFile<Box<dyn std::io::Read>>, Problem> {
     let too_much = |excess: Excess| excess.at(Place::file(path));
     let (file, length) = open(path).map_err(|error| match error {
         Error::Input(problems) if !problems.0.is_empty() => problems.0[0].clone(),

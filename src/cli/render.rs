@@ -71,7 +71,7 @@ fn display(options: &RenderOptions, scene: &Scene) -> Result<Option<Display>> {
     let Some(place) = &options.display else { return Ok(None) };
     let (name, full) = (options.scene.display().to_string(), [scene.film.width, scene.film.height]);
     let warn = Box::new(|what: String| tracing::warn!("{what}"));
-    let failed = |error: std::io::Error| Error::Backend { backend: "threads", what: error.to_string() };
+    let failed = |error: io::Error| Error::Backend { backend: "threads", what: error.to_string() };
     Display::start(place, &name, full, warn).map(Some).map_err(failed)
 }
 

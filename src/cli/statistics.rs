@@ -264,6 +264,7 @@ fn peak_memory() -> Option<u64> {
 mod tests {
     use super::*;
     use crate::film::Precision;
+    use crate::trust::Trust;
 
     #[test]
     fn a_replay_command_repeats_the_overrides_and_crops_to_the_pixel() {
@@ -281,6 +282,8 @@ mod tests {
             limits: render::Limits::default(),
             precision: Precision::Float,
             stats: None,
+            trust: Trust::default(),
+            display: None,
         };
         let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
         let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --crop 3,5,4,6 -o pixel.exr";

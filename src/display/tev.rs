@@ -77,7 +77,8 @@ mod tests {
         let wanted = b"\x21\0\0\0\x04\x01a.toml\0\x80\x02\0\0\xe0\x01\0\0\x04\0\0\0R\0G\0B\0A\0";
         assert_eq!(create("a.toml", [640, 480]), wanted, "create");
         let window = Window { x0: 16, y0: 3, x1: 17, y1: 4 };
-        let mut wanted = b"\x74\0\0\0\x06\x00a\0\x04\0\0\0R\0G\0B\0A\0\x10\0\0\0\x03\0\0\0\x01\0\0\0\x01\0\0\0".to_vec();
+        let mut wanted =
+            b"\x74\0\0\0\x06\x00a\0\x04\0\0\0R\0G\0B\0A\0\x10\0\0\0\x03\0\0\0\x01\0\0\0\x01\0\0\0".to_vec();
         wanted.extend([0, 1, 2, 3, 4, 4, 4, 4].into_iter().flat_map(i64::to_le_bytes));
         wanted.extend([0.5, 1.0, 2.0, 0.25].into_iter().flat_map(f32::to_le_bytes));
         assert_eq!(wanted.len(), 0x74, "as long as it says");

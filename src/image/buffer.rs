@@ -209,9 +209,10 @@ mod tests {
     #[test]
     fn absurd_sizes_are_refused() {
         let path = Path::new("a.exr");
-        assert!(check_size(path, 0, 5).is_err(), "no pixel");
-        assert!(check_size(path, u64::MAX, u64::MAX).is_err(), "overflow");
-        assert!(check_size(path, 16384, 16384).is_ok(), "the largest");
+        let limits = Limits::default();
+        assert!(check_size(path, [0, 5], &limits).is_err(), "no pixel");
+        assert!(check_size(path, [u64::MAX; 2], &limits).is_err(), "overflow");
+        assert!(check_size(path, [32_000, 31_250], &limits).is_ok(), "the largest");
     }
 
     #[test]

@@ -62,8 +62,7 @@ pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Decoded> {
 /// asked for.
 pub(super) fn decoded(bytes: &[u8], path: &Path, limits: &Limits) -> Result<(DynamicImage, Vec<Problem>)> {
     let gamma = stated_gamma(&mut Cursor::new(bytes)).unwrap_or(None);
-    let decoder =
-        PngDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, "PNG", error))?;
+    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, "PNG", error))?;
     let size = [decoder.dimensions().0, decoder.dimensions().1].map(u64::from);
     check_size(path, size, limits)?;
     check_claim(path, size, bytes.len(), MAX_PIXELS_PER_BYTE)?;

@@ -95,8 +95,7 @@ const MAX_PIXELS_PER_BYTE: u64 = 2 * 8 * 64;
 /// The picture in the bytes of a JPEG file; its size is checked before memory is asked for.
 fn from_jpeg(bytes: &[u8], path: &Path, limits: &Limits) -> Result<DynamicImage> {
     const KIND: &str = "JPEG";
-    let decoder =
-        JpegDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, KIND, error))?;
+    let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, KIND, error))?;
     let size = [decoder.dimensions().0, decoder.dimensions().1].map(u64::from);
     check_size(path, size, limits)?;
     check_claim(path, size, bytes.len(), MAX_PIXELS_PER_BYTE)?;
@@ -181,7 +180,7 @@ mod tests {
         let path = dir.path().join("a.png");
         let mut sound = Vec::new();
         let picture = DynamicImage::ImageLuma8(image::GrayImage::new(1, 1));
-        picture.write_to(&mut std::io::Cursor::new(&mut sound), image::ImageFormat::Png).expect("written");
+        picture.write_to(&mut Cursor::new(&mut sound), image::ImageFormat::Png).expect("written");
         // Width and height stand behind the signature and the head of the first chunk, its checksum behind its 13 bytes.
         sound[16..20].copy_from_slice(&16000_u32.to_be_bytes());
         sound[20..24].copy_from_slice(&16000_u32.to_be_bytes());

@@ -113,10 +113,16 @@ mod tests {
         for path in inside {
             assert_eq!(sandbox.check(&root.join(path)), Ok(()), "{path}");
         }
-        for path in ["../b.obj", "inner/../../b.obj", "lost/../../b.obj", "../lost.obj", "../scene2/a.obj", ".."] {
+        for path in
+            ["../b.obj", "inner/../../b.obj", "lost/../../b.obj", "../lost.obj", "../scene2/a.obj", ".."]
+        {
             assert!(sandbox.check(&root.join(path)).is_err(), "{path}");
         }
-        assert_eq!(sandbox.check(&root.join("a.obj").canonicalize().expect("there")), Ok(()), "from the root");
+        assert_eq!(
+            sandbox.check(&root.join("a.obj").canonicalize().expect("there")),
+            Ok(()),
+            "from the root"
+        );
         let outside = sandbox.check(Path::new("/etc/passwd")).expect_err("outside").to_string();
         assert!(outside.starts_with("`/etc/passwd` lies outside of the scene's folder"), "{outside}");
     }

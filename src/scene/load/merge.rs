@@ -60,8 +60,12 @@ impl Reader {
                     }
                     (_, Some((what, remedy))) => report.error(&spot, what, remedy),
                     (error, None) => {
-                        let cause = std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string);
-                        report.error_without_remedy(&spot, format!("cannot read `{}`: {cause}", path.display()));
+                        let cause =
+                            std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string);
+                        report.error_without_remedy(
+                            &spot,
+                            format!("cannot read `{}`: {cause}", path.display()),
+                        );
                     }
                 }
                 None

@@ -8,9 +8,9 @@
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
 //! for being there, not opened; [`load_mesh`] reads meshes.
 
+mod asked;
 pub(crate) mod check;
 pub(crate) mod decode;
-mod asked;
 mod files;
 mod merge;
 mod mesh;

@@ -160,11 +160,11 @@ fn materials(
 }
 
 /// The materials of all files that the text names, and whether all these files could be read.
-fn library(
+fn library<'a>(
     outline: &Outline,
-    (path, trust): (&Path, &Trust),
+    (path, trust): (&Path, &'a Trust),
     warnings: &mut Vec<Problem>,
-) -> Result<(Library, bool)> {
+) -> Result<(Library<'a>, bool)> {
     let mut library = Library::new(trust);
     let mut complete = true;
     let mut refused = Problems::default();
