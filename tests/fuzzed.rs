@@ -43,7 +43,7 @@ mod seeds {
     use image::{DynamicImage, ImageFormat};
     use specula::error::{Error, Result};
     use specula::film::{Aov, Layout};
-    use specula::render::{Kept, Keeper, Part, Progress, Settings, Silent, State, outline, render_kept};
+    use specula::render::{Keeper, Kept, Part, Progress, Settings, Silent, State, outline, render_kept};
     use std::fs;
     use std::io::Cursor;
     use std::path::Path;
@@ -155,10 +155,9 @@ mod seeds {
         render_kept(scene, &settings, &stop, kept).expect_err("stopped");
         write("checkpoint/middle", &unsealed(&keeper.0.lock().expect("sound")));
         let small = specula::image::Window { x0: 1, y0: 1, x1: 4, y1: 3 };
-        for (name, layout, crop) in [
-            ("part/plain", Layout::default(), None),
-            ("part/all", Layout::with(Aov::ALL), Some(small)),
-        ] {
+        for (name, layout, crop) in
+            [("part/plain", Layout::default(), None), ("part/all", Layout::with(Aov::ALL), Some(small))]
+        {
             let settings = Settings { layout, crop, ..Settings::default() };
             let rendered = render_kept(scene, &settings, &Silent, Kept::default()).expect("a picture");
             let part = Part {

@@ -75,7 +75,8 @@ impl Stage {
             let folder = folder.expect("a folder");
             let seeds = Path::new(env!("CARGO_MANIFEST_DIR"));
             // The manifest is that of the fuzz targets, or that of the renderer.
-            let seeds = [seeds.join("seeds"), seeds.join("tests/fuzz/seeds")].into_iter().find(|it| it.is_dir());
+            let seeds =
+                [seeds.join("seeds"), seeds.join("tests/fuzz/seeds")].into_iter().find(|it| it.is_dir());
             let seeds = seeds.expect("seeds");
             for (from, name) in [
                 ("obj/two_materials.obj", "a.obj"),
@@ -203,7 +204,9 @@ pub(crate) fn jpeg(data: &[u8]) {
 /// head, and the arrays.
 fn sealed(data: &[u8]) -> Vec<u8> {
     let (head, arrays) = match data {
-        [low, high, rest @ ..] => rest.split_at(usize::from(u16::from_le_bytes([*low, *high])).min(rest.len())),
+        [low, high, rest @ ..] => {
+            rest.split_at(usize::from(u16::from_le_bytes([*low, *high])).min(rest.len()))
+        }
         _ => (data, &[][..]),
     };
     let number = |length: usize| u32::try_from(length).expect("short").to_le_bytes();

@@ -171,6 +171,10 @@ fn library<'a>(
     for (names, line) in &outline.libraries {
         for file in library_files(names, path) {
             let place = Place { line: Some(*line), ..Place::file(path) };
+            if let Some((what, remedy)) = trust.outside(&file) {
+                refused.push(Problem::at(place, what).remedy(remedy));
+                continue;
+            }
             let why = match trust.read(&file, "cannot read") {
                 Ok(bytes) => library.read(&file, &text::decode(bytes)).err(),
                 Err(Error::Refused(Problem { what, remedy, .. })) => {
