@@ -2,6 +2,7 @@
 //!
 //! The header's EXPOSURE is not applied, as in most renderers, but told. Ward, 1991, "Real pixels", in Graphics Gems II.
 
+use std::io::{self, Read};
 use std::path::Path;
 
 use image::codecs::hdr::HdrDecoder;
@@ -20,8 +21,8 @@ pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Decod
     const KIND: &str = "Radiance";
     // Many start with `#?RGBE` instead of what the standard says, which only a lenient reader takes.
     let strict = !bytes.starts_with(b"#?RGBE");
-    let decoder =
-        HdrDecoder::with_strictness(bytes, strict).map_err(|error| files::refused(path, KIND, error))?;
+    let decoder = HdrDecoder::with_strictness(Guarded { bytes, markers: 0 }, strict)
+        .map_err(|error| files::refused(path, KIND, error))?;
     let header = decoder.metadata();
     let size = [header.width, header.height].map(u64::from);
     check_size(path, size, limits)?;
@@ -44,6 +45,29 @@ pub(super) fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Decod
     let window = Window::whole(header.width, header.height);
     let range = Range::Scene;
     Ok(Decoded { image, range, alpha: None, window, full: [header.width, header.height], warnings })
+}
+
+/// Most pixels in a row that stand for runs in the older way of the format. Each counts 256 times what the one before does, and the eighth
+/// is more than the decoder (image 0.25) can count.
+const MOST_MARKERS: u32 = 7;
+
+/// The bytes of a file for a decoder that reads pixels by four.
+struct Guarded<'a> {
+    bytes: &'a [u8],
+    /// How many pixels that stand for runs there were just now.
+    markers: u32,
+}
+
+impl Read for Guarded<'_> {
+    fn read(&mut self, into: &mut [u8]) -> io::Result<usize> {
+        let read = self.bytes.read(into)?;
+        let is_marker = read == 4 && matches!(into, [1, 1, 1, _]);
+        self.markers = if is_marker { self.markers + 1 } else { 0 };
+        if self.markers > MOST_MARKERS {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, "a run without an end"));
+        }
+        Ok(read)
+    }
 }
 
 #[cfg(test)]
@@ -74,6 +98,22 @@ mod tests {
     fn an_exposure_is_told() {
         let picture = read_bytes(&file("#?RADIANCE\nEXPOSURE=2")).expect("read");
         assert!(picture.warnings[0].to_string().contains("scale by 0.5"), "{:?}", picture.warnings);
+    }
+
+    #[test]
+    fn older_runs_are_read_and_endless_ones_refused() {
+        let file = |width: u32, pixels: &[[u8; 4]]| {
+            let mut bytes = format!("#?RADIANCE\n\n-Y 1 +X {width}\n").into_bytes();
+            bytes.extend(pixels.iter().flatten());
+            read_bytes(&bytes)
+        };
+        let (pixel, run) = ([64, 128, 192, 129], |length| [1, 1, 1, length]);
+        // 2 + 1 * 256 pixels more.
+        let picture = file(259, &[pixel, run(2), run(1)]).expect("read").image;
+        assert!(picture.pixels().iter().all(|p| *p == Rgb::new(0.5, 1.0, 1.5)), "a run of 258");
+        let endless = [vec![pixel], vec![run(0); 12], vec![run(8)]].concat();
+        let error = file(9, &endless).expect_err("endless").to_string();
+        assert!(error.contains("not a sound Radiance picture: a run without an end"), "{error}");
     }
 
     #[test]

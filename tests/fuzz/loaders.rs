@@ -15,6 +15,7 @@ use specula::scene::{self, Built, Needs, Scene};
 use specula::texture::{Bitmap, Space};
 use specula::trust::{Limit, Limits, Sandbox, Trust};
 use std::fs;
+use std::hint::black_box;
 use std::io::Read;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -101,7 +102,7 @@ impl Stage {
         let loaded = scene::load_within(&path, &[], &self.trust).ok()?;
         let built = scene::build_within(&loaded.description, &self.trust).ok()?;
         assert!(scene::fingerprint(&loaded.description, self.folder.path()).len() == 32, "a hash");
-        Needs::of(&built.scene, &built.origins);
+        black_box(Needs::of(&built.scene, &built.origins));
         Some(built)
     }
 }
@@ -163,7 +164,7 @@ fn picture(data: &[u8], name: &str) {
         };
         assert_eq!(pixels, raster.width as usize * raster.height as usize, "as many as it says");
         for space in [Space::Srgb, Space::Linear] {
-            Bitmap::new(&raster, space);
+            black_box(Bitmap::new(&raster, space));
         }
     }
     if let Ok(gray) = image::decode_gray(data, name, &limits) {

@@ -33,6 +33,14 @@ pub(crate) fn check(tree: &Node, limits: &Limits, report: &mut Report) {
     check_chains(shapes, &names, limits, report);
 }
 
+/// A remedy for a name that is none of those there are. Not sought in long reports: it would be each of many names against all of many.
+fn suggested(report: &Report, name: &str, known: &[&str], what: &str) -> String {
+    if report.is_long() {
+        return format!("define that {what}, or name another");
+    }
+    words::suggest_name(name, known, what)
+}
+
 /// Shapes by name.
 fn names<'a>(shapes: &'a [Node], report: &mut Report) -> HashMap<&'a str, &'a Node> {
     let mut names = HashMap::new();
@@ -63,7 +71,7 @@ fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], repor
     };
     let Some(name) = node.text() else { return };
     if !known.contains(name) {
-        let remedy = words::suggest_name(name, materials, "material");
+        let remedy = suggested(report, name, materials, "material");
         report.error(&node.spot, format!("unknown material `{name}`"), remedy);
     }
 }
@@ -78,7 +86,7 @@ fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Repo
         let Some(node) = part.get("material") else { continue };
         let Some(name) = node.text() else { continue };
         let Some(found) = tree.get("materials").and_then(|all| all.get(name)) else {
-            let remedy = words::suggest_name(name, materials, "material");
+            let remedy = suggested(report, name, materials, "material");
             report.error(&node.spot, format!("unknown material `{name}`"), remedy);
             continue;
         };
@@ -103,7 +111,7 @@ fn check_instance(shape: &Node, names: &HashMap<&str, &Node>, report: &mut Repor
     if !names.contains_key(name) {
         let mut known: Vec<&str> = names.keys().copied().collect();
         known.sort_unstable();
-        let remedy = words::suggest_name(name, &known, "shape");
+        let remedy = suggested(report, name, &known, "shape");
         report.error(&node.spot, format!("unknown shape `{name}`"), remedy);
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct Polygons {
 }
 
 /// What a corner of a polygon refers to; indices count from 0 and name what is there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) position: u32,
     pub(super) uv: Option<u32>,
