@@ -8,6 +8,7 @@ use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, MixPart, Named, Optics, PerTangent, Roughness};
 use crate::texture::Texture;
+use std::collections::HashMap;
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
 const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
@@ -15,8 +16,13 @@ const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
 impl Builder {
     pub(super) fn add_materials(&mut self, materials: &[Named<description::Material>]) {
         let plain: Vec<Option<Material>> = materials.iter().map(|named| self.plain(named)).collect();
+        let by_name: HashMap<&str, &Material> = materials
+            .iter()
+            .zip(&plain)
+            .filter_map(|(named, own)| Some((named.name.as_str(), own.as_ref()?)))
+            .collect();
         for (named, own) in materials.iter().zip(&plain) {
-            let material = own.clone().unwrap_or_else(|| self.mix(named, materials, &plain));
+            let material = own.clone().unwrap_or_else(|| self.mix(named, &by_name));
             let id = self.add_material(named.name.clone(), material);
             self.named.insert(named.name.clone(), id);
         }
@@ -35,19 +41,13 @@ impl Builder {
         Some(material)
     }
 
-    fn mix(
-        &mut self,
-        named: &Named<description::Material>,
-        materials: &[Named<description::Material>],
-        plain: &[Option<Material>],
-    ) -> Material {
+    fn mix(&mut self, named: &Named<description::Material>, plain: &HashMap<&str, &Material>) -> Material {
         let description::Scattering::Mix { parts } = &named.value.scattering else {
             return self.material(&named.value);
         };
         let mut layers = Vec::new();
         for MixPart { material, weight } in parts {
-            let found = materials.iter().position(|other| other.name == material.value);
-            match found.and_then(|index| plain[index].as_ref()) {
+            match plain.get(material.value.as_str()) {
                 Some(part) if part.emission.is_none() => {
                     if part.relief.is_some() || part.opacity.is_some() {
                         let what = format!(

@@ -8,6 +8,7 @@ use crate::scene::load::source::{Source, Spot};
 use crate::scene::load::{files, words};
 use crate::scene::record::{Rules, Value};
 use crate::trust::{Excess, Limit, Trust};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -166,11 +167,13 @@ fn parse(
 fn merge(base: &mut Node, over: Node, report: &mut Report) {
     let Content::Table(over) = over.content else { return };
     let Content::Table(entries) = &mut base.content else { return };
+    let known = places(entries);
     for entry in over {
-        let Some(under) = entries.iter_mut().find(|under| under.key == entry.key) else {
+        let Some(&at) = known.get(&entry.key) else {
             entries.push(entry);
             continue;
         };
+        let under = &mut entries[at];
         match (&mut under.node.content, entry.node.content) {
             (Content::Array(under), Content::Array(over)) => under.extend(over),
             (Content::Table(under), Content::Table(over)) if entry.key == "materials" => {
@@ -182,20 +185,28 @@ fn merge(base: &mut Node, over: Node, report: &mut Report) {
     }
 }
 
+/// Where keys stand. What is put on top of them has each key once.
+fn places(entries: &[Entry]) -> HashMap<String, usize> {
+    entries.iter().enumerate().map(|(at, entry)| (entry.key.clone(), at)).collect()
+}
+
 fn replace_keys(under: &mut Vec<Entry>, over: Vec<Entry>) {
+    let known = places(under);
     for entry in over {
-        match under.iter_mut().find(|under| under.key == entry.key) {
-            Some(under) => *under = entry,
+        match known.get(&entry.key) {
+            Some(&at) => under[at] = entry,
             None => under.push(entry),
         }
     }
 }
 
 fn add_names(under: &mut Vec<Entry>, over: Vec<Entry>, report: &mut Report) {
+    let known = places(under);
     for entry in over {
-        match under.iter().find(|under| under.key == entry.key) {
-            Some(first) => {
-                let what = format!("material `{}` is defined already at {}", entry.key, first.spot.place());
+        match known.get(&entry.key) {
+            Some(&at) => {
+                let first = under[at].spot.place();
+                let what = format!("material `{}` is defined already at {first}", entry.key);
                 report.error(&entry.spot, what, "give one of them another name");
             }
             None => under.push(entry),

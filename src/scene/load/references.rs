@@ -23,8 +23,10 @@ pub(crate) fn check(tree: &Node, limits: &Limits, report: &mut Report) {
     let known: HashSet<&str> = materials.iter().copied().collect();
     let shapes = tree.get("shapes").and_then(Node::items).unwrap_or(&[]);
     let names = names(shapes, report);
-    for entry in tree.get("materials").and_then(Node::entries).unwrap_or(&[]) {
-        check_mix(&entry.node, tree, &materials, report);
+    let entries = tree.get("materials").and_then(Node::entries).unwrap_or(&[]);
+    let nodes: HashMap<&str, &Node> = entries.iter().map(|entry| (entry.key.as_str(), &entry.node)).collect();
+    for entry in entries {
+        check_mix(&entry.node, &nodes, &materials, report);
     }
     for shape in shapes {
         check_material(shape, &known, &materials, report);
@@ -77,7 +79,7 @@ fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], repor
 }
 
 /// The parts of a mix exist, and are not mixes or lights.
-fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Report) {
+fn check_mix(material: &Node, nodes: &HashMap<&str, &Node>, materials: &[&str], report: &mut Report) {
     let kind = |node: &Node| node.get("type").and_then(Node::text).map(str::to_owned);
     if kind(material).as_deref() != Some("mix") {
         return;
@@ -85,7 +87,7 @@ fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Repo
     for part in material.get("parts").and_then(Node::items).unwrap_or(&[]) {
         let Some(node) = part.get("material") else { continue };
         let Some(name) = node.text() else { continue };
-        let Some(found) = tree.get("materials").and_then(|all| all.get(name)) else {
+        let Some(&found) = nodes.get(name) else {
             let remedy = suggested(report, name, materials, "material");
             report.error(&node.spot, format!("unknown material `{name}`"), remedy);
             continue;

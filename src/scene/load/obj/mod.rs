@@ -23,6 +23,7 @@ use glam::Vec2;
 use mtl::Library;
 use outline::Outline;
 use polygons::{Corner, Polygons};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use vertices::Vertices;
 
@@ -72,6 +73,10 @@ struct Triangles {
     group_of: Vec<u16>,
     /// Which material of the outline each group is of; none is that of faces before the first `usemtl`.
     groups: Vec<Option<u16>>,
+    /// The group of each material.
+    numbers: HashMap<Option<u16>, u16>,
+    /// The latest of these.
+    latest: Option<(Option<u16>, u16)>,
     cutter: Cutter,
 }
 
@@ -82,6 +87,8 @@ impl Triangles {
             indices: vec![],
             group_of: vec![],
             groups: vec![],
+            numbers: HashMap::new(),
+            latest: None,
             cutter: Cutter::default(),
         };
         let mut cutter = Cutter::default();
@@ -98,17 +105,25 @@ impl Triangles {
             .map(|corner| Corner { normal: corner.normal.filter(|_| keep), ..corner })
             .map(|corner| self.vertices.of(corner));
         self.indices.push([a, b, c]);
-        // Faces of one material come in long runs: the last group is nearly always the right one.
-        let known = self.groups.iter().rposition(|group| *group == material);
-        let group = known.unwrap_or_else(|| {
+        // Faces of one material come in long runs: the latest group is nearly always the right one.
+        let group = match self.latest {
+            Some((latest, group)) if latest == material => group,
+            _ => self.group(material),
+        };
+        self.latest = Some((material, group));
+        self.group_of.push(group);
+    }
+
+    /// The group of a material.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the outline has fewer materials than u16 tells apart"
+    )]
+    fn group(&mut self, material: Option<u16>) -> u16 {
+        *self.numbers.entry(material).or_insert_with(|| {
             self.groups.push(material);
-            self.groups.len() - 1
-        });
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the outline has fewer materials than u16 tells apart"
-        )]
-        self.group_of.push(group as u16);
+            (self.groups.len() - 1) as u16
+        })
     }
 
     fn parts(self, polygons: &Polygons) -> Parts {
