@@ -23,6 +23,9 @@ const BYTES_PER_TEXEL: u64 = 16;
 /// claims gigabytes is refused before they are allocated.
 const MAX_RATIO: u64 = 4096;
 
+/// Bytes of samples that are decoded before threads have started.
+const FEW_BYTES: u64 = 1 << 22;
+
 /// All flat parts of an EXR file that share the first part's window, within the usual limits.
 pub fn read(path: &Path) -> Result<Picture> {
     read_within(path, &Trust::default())
@@ -35,15 +38,11 @@ pub fn read_within(path: &Path, trust: &Trust) -> Result<Picture> {
 
 /// The same of the bytes of a file; `path` is for messages.
 pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
-    check((bytes, path), &headers(path, bytes)?, limits)?;
-    let file = reader()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(|e| refused(path, &e))?;
+    let claimed = check((bytes, path), &headers(path, bytes)?, limits)?;
+    let reader =
+        reader().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let reader = if claimed < FEW_BYTES { reader.non_parallel() } else { reader };
+    let file = reader.from_buffered(Cursor::new(bytes)).map_err(|e| refused(path, &e))?;
     let mut warnings = Vec::new();
     let mut layers = file.layer_data.into_iter();
     let Some(first) = layers.next() else {
@@ -98,8 +97,8 @@ fn headers(path: &Path, bytes: &[u8]) -> Result<Vec<Header>> {
     Ok(meta.headers.into_vec())
 }
 
-/// Refuses what cannot be read, and what claims more than its bytes can hold.
-fn check((bytes, path): (&[u8], &Path), headers: &[Header], limits: &Limits) -> Result<()> {
+/// How many bytes samples take. Refuses what cannot be read, and what claims more than its bytes can hold.
+fn check((bytes, path): (&[u8], &Path), headers: &[Header], limits: &Limits) -> Result<u64> {
     let refuse = |what: &str, remedy: &str| Err(Problem::at(Place::file(path), what).remedy(remedy).into());
     let mut claimed = 0_u64;
     for header in headers {
@@ -122,7 +121,7 @@ fn check((bytes, path): (&[u8], &Path), headers: &[Header], limits: &Limits) -> 
     if claimed / MAX_RATIO > bytes.len() as u64 {
         return refuse("its header claims more pixels than its bytes can hold", "write it again");
     }
-    Ok(())
+    Ok(claimed)
 }
 
 /// Whole size and window of a data window in a display window. Data beyond the display window enlarge the whole; where
