@@ -16,6 +16,7 @@ use specula::tradeoff::knobs::Knob;
 use specula::tradeoff::presets::{self, Kind, Preset};
 use specula::tradeoff::runs::{Bench, Sweep, Tally};
 use specula::tradeoff::{Reference, Subject, outcomes};
+use specula::trust::Trust;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -106,7 +107,7 @@ fn measured(name: &str, kind: Kind, knobs: &[(&str, &[&str])], coarser: u32) -> 
     if kind == Kind::Path {
         overrides.extend(["render.integrator=path".to_owned(), "render.max_depth=8".to_owned()]);
     }
-    let (mut subject, _) = Subject::read(&path, &overrides)?;
+    let (mut subject, _) = Subject::read(&path, &overrides, &Trust::default())?;
     let axes: Vec<_> = knobs
         .iter()
         .filter_map(|(knob, values)| {

@@ -94,6 +94,7 @@ impl Problems {
     pub fn absorb(&mut self, error: Error, place: Option<&Place>) {
         match error {
             Error::Input(more) => self.0.extend(more.0),
+            Error::Refused(problem) => self.push(problem),
             other => self.push(Problem { place: place.cloned(), ..Problem::new(other.to_string()) }),
         }
     }
@@ -128,6 +129,9 @@ pub enum Error {
     /// The command line or an input is wrong.
     #[error(transparent)]
     Input(#[from] Problems),
+    /// An input asks for more than is allowed, or lies where it must not: right or wrong, it is not read.
+    #[error("{0}")]
+    Refused(Problem),
     /// Reading or writing failed.
     #[error("{}: {what}", path.display())]
     Io {

@@ -5,9 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Lowest first.
-const FLOORS: [&str; 20] = [
+const FLOORS: [&str; 22] = [
     "math",
     "error",
+    "trust",
     "image",
     "sampling",
     "geometry",
@@ -22,6 +23,7 @@ const FLOORS: [&str; 20] = [
     "integrator",
     "post",
     "render",
+    "display",
     "measure",
     "bench",
     "tradeoff",

@@ -12,6 +12,7 @@ use specula::render::Silent;
 use specula::tradeoff::design::Design;
 use specula::tradeoff::runs::{Bench, Sweep, Tally};
 use specula::tradeoff::{Reference, Subject, outcomes};
+use specula::trust::Trust;
 use std::fs;
 
 /// A desk with that scene.
@@ -257,7 +258,7 @@ fn a_reference_from_a_file_has_its_noise_taken_out() {
 #[test]
 fn variance_of_independent_samples_falls_as_one_over_their_number() {
     let desk = place("integrator = \"path\"\nsampler = \"independent\"\nroulette = \"off\"");
-    let (mut subject, _) = Subject::read(&desk.path("a.toml"), &[]).expect("a scene");
+    let (mut subject, _) = Subject::read(&desk.path("a.toml"), &[], &Trust::default()).expect("a scene");
     let values = ["4", "16", "64"].map(str::to_owned);
     let axes = [subject.axis(specula::tradeoff::knobs::Knob::of("spp").expect("a knob"), &values)];
     let sweep = Sweep::new(&subject, &axes, Design::OneAtATime, 8).expect("points");

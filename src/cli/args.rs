@@ -244,9 +244,19 @@ pub struct RenderArgs {
         value_parser = Words(specialised()))]
     pub no_specialise: Option<Vec<String>>,
 
+    /// Show the picture in the viewer tev at HOST:PORT while it is made, such as localhost:14158
+    ///
+    /// The viewer may be started, end or hang at any time: rendering neither waits for it nor depends on it.
+    #[arg(long, value_name = "HOST:PORT", value_hint = ValueHint::Hostname)]
+    pub display: Option<String>,
+
     /// Set any value of the scene file by its dotted path, such as render.spp=4. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+
+    /// How far files are trusted.
+    #[command(flatten)]
+    pub trust: TrustArgs,
 
     /// What is told on standard error.
     #[command(flatten)]
@@ -287,6 +297,10 @@ pub struct PlanArgs {
 
     #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
     #[command(flatten)]
+    pub trust: TrustArgs,
+
+    #[expect(missing_docs, reason = "a comment would be taken for that of the command")]
+    #[command(flatten)]
     pub log: LogArgs,
 }
 
@@ -313,6 +327,10 @@ pub struct MergeArgs {
     /// Write times, rays and counts of all parts together to FILE as JSON
     #[arg(long, value_name = "FILE.json", value_hint = ValueHint::FilePath)]
     pub stats: Option<PathBuf>,
+
+    /// What files may ask for.
+    #[command(flatten)]
+    pub limits: LimitsArgs,
 
     /// What is told on standard error.
     #[command(flatten)]
@@ -365,6 +383,10 @@ pub struct DiffArgs {
     /// Threads to use; as many as there are processors if not given
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
+
+    /// What files may ask for.
+    #[command(flatten)]
+    pub limits: LimitsArgs,
 
     /// What is told on standard error.
     #[command(flatten)]
@@ -454,6 +476,10 @@ pub struct FuzzyArgs {
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
 
+    /// What files may ask for.
+    #[command(flatten)]
+    pub limits: LimitsArgs,
+
     /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
@@ -520,6 +546,10 @@ pub struct BenchArgs {
     /// Set any value of the scene files by its dotted path, such as film.width=640. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
+
+    /// How far files are trusted.
+    #[command(flatten)]
+    pub trust: TrustArgs,
 
     /// What is told on standard error.
     #[command(flatten)]
@@ -601,9 +631,41 @@ pub struct TradeoffArgs {
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
 
+    /// How far files are trusted.
+    #[command(flatten)]
+    pub trust: TrustArgs,
+
     /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
+}
+
+/// How far files are trusted.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct TrustArgs {
+    /// What they may ask for.
+    #[command(flatten)]
+    pub limits: LimitsArgs,
+
+    /// Read no file outside of the folder of the scene file, links followed: includes, meshes, materials and pictures
+    ///
+    /// For scenes by people whom you do not know. A path that leads out of the folder is refused, be it by `..`, by a link, from the
+    /// root, or in an override (-D). What is written is not affected.
+    #[arg(long)]
+    pub sandbox: bool,
+}
+
+/// What files may ask for.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub struct LimitsArgs {
+    /// Change how much files may ask for, such as texels=4e9,triangles=1e6; `none` of one or of all is without a limit
+    ///
+    /// More is refused before memory is taken. `pixels` (5e8) of the picture, whatever is cropped; `samples` (none) of all pixels
+    /// together; `triangles` (2e9) of all meshes, instances not counted; `texels` (1e9) of each picture that is read; `textures` (1e10):
+    /// texels of all textures; `bytes` (1e11) of each file; `scene_bytes` (5e8) of all scene files; `files` (1e6); `include_depth`
+    /// (32); `nesting` (64) of tables in tables and of instances of instances.
+    #[arg(long, value_name = "NAME=N,..", value_delimiter = ',')]
+    pub limits: Vec<String>,
 }
 
 /// What is told on standard error, and how.

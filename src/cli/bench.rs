@@ -49,7 +49,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
 fn load_all(options: &BenchOptions) -> Result<Vec<Scene>> {
     let (mut scenes, mut problems) = (Vec::new(), Problems::default());
     for path in &options.scenes {
-        match Frozen::told(path, &options.overrides, Wanted::default()) {
+        match Frozen::told(path, &options.overrides, Wanted::default(), &options.trusted.of(path)) {
             Ok(frozen) => scenes.push(frozen.scene),
             Err(Error::Input(more)) => problems.0.extend(more.0),
             Err(error) => return Err(error),

@@ -226,7 +226,8 @@ fn by_look(
 /// Refuses runs of another scene; tables `film` and `render` are what runs are about.
 fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<()> {
     let folder = frozen.path.parent().unwrap_or(Path::new(""));
-    let mut both = [kept.head["about"].clone(), scene::identity(&frozen.description, folder, &frozen.files)?];
+    let Frozen { description, files, trust, .. } = frozen;
+    let mut both = [kept.head["about"].clone(), scene::identity_within(description, folder, files, trust)?];
     for scene in both.iter_mut().filter_map(|about| about["scene"].as_object_mut()) {
         scene.shift_remove("film");
         scene.shift_remove("render");

@@ -13,6 +13,7 @@ use crate::image::{self, Decoded, Format, exr, png};
 use crate::math::lanes::{Level, VARIABLE};
 use crate::measure::flip::Watch;
 use crate::measure::{Comparison, Pair, difference};
+use crate::trust::Trust;
 
 /// Compares two pictures, prints how far they are apart, and says no where that is too far.
 pub(super) fn run(args: &DiffArgs) -> Result<()> {
@@ -47,7 +48,7 @@ pub(super) fn run(args: &DiffArgs) -> Result<()> {
 
 /// Both pictures; all that is wrong with either at once.
 fn read(options: &DiffOptions) -> Result<Pair> {
-    let (test, reference) = match both(&options.test, &options.reference) {
+    let (test, reference) = match both(options) {
         (Ok(test), Ok(reference)) => (test, reference),
         (Err(Error::Input(mut problems)), Err(Error::Input(more))) => {
             problems.0.extend(more.0);
@@ -60,8 +61,10 @@ fn read(options: &DiffOptions) -> Result<Pair> {
     Pair::new(test, reference, [&names[0], &names[1]])
 }
 
-fn both(test: &Path, reference: &Path) -> (Result<Decoded>, Result<Decoded>) {
-    rayon::join(|| image::read_as_stored(test), || image::read_as_stored(reference))
+fn both(options: &DiffOptions) -> (Result<Decoded>, Result<Decoded>) {
+    let trust = Trust { limits: options.limits, sandbox: None };
+    let read = |path: &Path| image::read_as_stored(path, &trust);
+    rayon::join(|| read(&options.test), || read(&options.reference))
 }
 
 /// Each problem once: somebody may compare a broken file with itself.

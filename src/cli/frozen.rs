@@ -9,6 +9,7 @@ use super::{log, plan};
 use crate::error::{Place, Problem, Result};
 use crate::scene::{self, Built, Description, Library, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
 use crate::tradeoff;
+use crate::trust::Trust;
 
 /// A scene, and what is known of it beside.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub(super) struct Frozen {
     pub(super) pruned: Vec<Pruned>,
     /// What it was frozen for.
     pub(super) wanted: Wanted,
+    /// How far its files are trusted.
+    pub(super) trust: Trust,
     /// Pictures that its file names and that could not be read: among the warnings.
     pub(super) unread: Vec<Problem>,
     /// What tells its description from others.
@@ -37,28 +40,40 @@ pub(super) struct Frozen {
 }
 
 impl Frozen {
-    /// The scene of a file, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
-    pub(super) fn read(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
+    /// The scene of a file, trusted so far, with values replaced. Where it cannot be frozen, what was odd about the file is logged.
+    pub(super) fn read(path: &Path, overrides: &[String], wanted: Wanted, trust: &Trust) -> Result<Self> {
         tracing::debug!("reading {}", path.display());
-        Self::of(scene::load(path, overrides)?, path, (None, wanted), &Arc::default())
+        let loaded = scene::load_within(path, overrides, trust)?;
+        Self::of(loaded, path, (None, wanted), (trust, &Arc::default()))
     }
 
-    /// The scene of a description, or a frame of it, with what a library has of its files.
+    /// The scene of a description, or a frame of it, whose files are trusted so far, with what a library has of them.
     pub(super) fn of(
         loaded: Loaded,
         path: &Path,
         (frame, wanted): (Option<i32>, Wanted),
-        library: &Arc<Library>,
+        from: (&Trust, &Arc<Library>),
     ) -> Result<Self> {
         let Loaded { description, mut warnings } = loaded;
         let (description, frame) = at_frame(description, frame);
-        let built =
-            scene::build_from(&description, &wanted, library).inspect_err(|_| log::warn(&warnings))?;
+        let built = scene::build_from(&description, &wanted, from).inspect_err(|_| log::warn(&warnings))?;
         let Built { scene, origins, files, warnings: more, unread, pruned } = built;
         warnings.extend(more);
         let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
-        let path = path.to_owned();
-        Ok(Self { scene, path, warnings, unread, pruned, wanted, hash, description, files, frame, origins })
+        Ok(Self {
+            scene,
+            path: path.to_owned(),
+            warnings,
+            unread,
+            pruned,
+            wanted,
+            trust: from.0.clone(),
+            hash,
+            description,
+            files,
+            frame,
+            origins,
+        })
     }
 
     /// Becomes another frame of the same scene, if nothing but the camera moves and the files are the same; else says that it cannot.
@@ -73,8 +88,8 @@ impl Frozen {
     }
 
     /// The same, with all that was odd logged, and in a line what was left out.
-    pub(super) fn told(path: &Path, overrides: &[String], wanted: Wanted) -> Result<Self> {
-        Self::read(path, overrides, wanted).inspect(|frozen| {
+    pub(super) fn told(path: &Path, overrides: &[String], wanted: Wanted, trust: &Trust) -> Result<Self> {
+        Self::read(path, overrides, wanted, trust).inspect(|frozen| {
             log::warn(&frozen.warnings);
             if let Some(line) = frozen.without_effect() {
                 tracing::info!("{line}");
@@ -90,11 +105,11 @@ impl Frozen {
 
     /// The same files with other values replaced: the scene is told settings where that is enough, and built anew where it is not.
     pub(super) fn turned(self, overrides: &[String]) -> Result<Self> {
-        let loaded = scene::load(&self.path, overrides)?;
+        let loaded = scene::load_within(&self.path, overrides, &self.trust)?;
         let number = self.frame.map(|(number, _)| number);
         let (description, frame) = at_frame(loaded.description.clone(), number);
         if !tradeoff::is_built_alike(&self.description, &description) {
-            return Self::of(loaded, &self.path, (number, self.wanted), &Arc::default());
+            return Self::of(loaded, &self.path, (number, self.wanted), (&self.trust, &Arc::default()));
         }
         let hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
         let mut scene = self.scene;

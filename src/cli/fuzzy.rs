@@ -15,6 +15,7 @@ use crate::math::lanes::{Level, VARIABLE};
 use crate::post::{self, Fuzzy, GBuffer};
 use crate::render::{Phase, filter_of};
 use crate::scene::load::fuzzy_filter;
+use crate::trust::Trust;
 
 /// The metadata with the knobs of the filter, a JSON document.
 pub(super) const KNOBS: &str = "specula:fuzzy";
@@ -29,7 +30,8 @@ pub(super) fn run(args: &FuzzyArgs) -> Result<()> {
     let options = FuzzyOptions::new(args)?;
     threads::limit(options.threads);
     let level = Level::from_env().map_err(|error| Problem::new(format!("{VARIABLE}: {error}")))?;
-    let picture = exr::read(&options.gbuffer)?;
+    let trust = Trust { limits: options.limits, sandbox: None };
+    let picture = exr::read_within(&options.gbuffer, &trust)?;
     log::warn(&picture.warnings);
     let described = fuzzy_filter(&knobs(&picture, &options))?;
     let mut samples = post::saved(&picture, &options.gbuffer)?;

@@ -18,7 +18,8 @@ use crate::scene::needs::capability::Capability;
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
 pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
     let folder = frozen.path.parent().unwrap_or(Path::new(""));
-    let mut about = scene::identity(&frozen.description, folder, &frozen.files)?;
+    let Frozen { description, files, trust, .. } = frozen;
+    let mut about = scene::identity_within(description, folder, files, trust)?;
     about["version"] = env!("CARGO_PKG_VERSION").into();
     about["scene_hash"] = frozen.hash.clone().into();
     about["outputs"] = options.layout.aovs().iter().map(|aov| aov.name()).collect();

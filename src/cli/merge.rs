@@ -20,6 +20,7 @@ use crate::integrator::Counters;
 use crate::render::{self, Gap, Outline, Part, PartFile, Phase};
 use crate::scene;
 use crate::scene::description::Tone;
+use crate::trust::{Excess, Limit, Limits};
 
 /// What to do about a part that cannot be taken.
 const REMEDY: &str = "render it again, or leave it out";
@@ -70,7 +71,7 @@ struct Merged {
 
 /// The sums of all parts, of which one at a time is in memory.
 fn merge(options: &MergeOptions, interrupt: &Interrupt) -> Result<Merged> {
-    let (outlines, about) = outlines(&options.parts)?;
+    let (outlines, about) = outlines(&options.parts, &options.limits)?;
     let outlines: Vec<&Outline> = outlines.iter().collect();
     let window = options.crop.unwrap_or_else(|| render::wanted(&outlines));
     check_window(&outlines, window, &options.parts)?;
@@ -83,7 +84,9 @@ fn merge(options: &MergeOptions, interrupt: &Interrupt) -> Result<Merged> {
     for index in render::order(&outlines) {
         interrupt.check()?;
         let path = &options.parts[index];
-        let part = match file(path).and_then(|file| file.read().map_err(|what| unreadable(path, what))) {
+        let part = match file(path, &options.limits)
+            .and_then(|file| file.read().map_err(|what| unreadable(path, what)))
+        {
             Ok(part) if part.outline == *outlines[index] && part.about == about => part,
             Ok(_) => {
                 problems.push(unreadable(path, "it was replaced meanwhile".to_owned()));
@@ -109,12 +112,12 @@ fn merge(options: &MergeOptions, interrupt: &Interrupt) -> Result<Merged> {
 }
 
 /// Which parts there are, and of what. Fails with all that cannot be read or are of something else.
-fn outlines(paths: &[PathBuf]) -> Result<(Vec<Outline>, Value)> {
+fn outlines(paths: &[PathBuf], limits: &Limits) -> Result<(Vec<Outline>, Value)> {
     let mut problems = Problems::default();
     let mut first: Option<(Value, PathBuf)> = None;
     let mut outlines = Vec::new();
     for path in paths {
-        let file = match file(path) {
+        let file = match file(path, limits) {
             Ok(file) => file,
             Err(problem) => {
                 problems.push(problem);
@@ -140,14 +143,18 @@ fn outlines(paths: &[PathBuf]) -> Result<(Vec<Outline>, Value)> {
     problems.into_result((outlines, about))
 }
 
-/// A file of a part.
-fn file(path: &Path) -> std::result::Result<PartFile<Box<dyn std::io::Read>>, Problem> {
+/// A file of a part, which asks for no more than is allowed.
+fn file(path: &Path, limits: &Limits) -> std::result::Result<PartFile<Box<dyn std::io::Read>>, Problem> {
+    let too_much = |excess: Excess| excess.at(Place::file(path));
     let (file, length) = open(path).map_err(|error| match error {
         Error::Input(problems) if !problems.0.is_empty() => problems.0[0].clone(),
         Error::Io { source, .. } => unreadable(path, format!("cannot read: {source}")),
         other => unreadable(path, other.to_string()),
     })?;
-    PartFile::open(file, length).map_err(|what| unreadable(path, what))
+    limits.check(Limit::Bytes, length).map_err(too_much)?;
+    let file = PartFile::open(file, length).map_err(|what| unreadable(path, what))?;
+    limits.check(Limit::Pixels, file.outline().window.area() as u64).map_err(too_much)?;
+    Ok(file)
 }
 
 fn unreadable(path: &Path, what: String) -> Problem {

@@ -36,8 +36,8 @@ use clap::Parser as _;
 
 pub use args::{
     Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine,
-    Farmed, FuzzyArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs, RenderArgs,
-    SchemaArgs, SchemaOf, SlurmArgs, TradeoffArgs,
+    Farmed, FuzzyArgs, LimitsArgs, LogArgs, LogFormat, LogLevel, ManArgs, MergeArgs, OpenJdArgs, PlanArgs,
+    RenderArgs, SchemaArgs, SchemaOf, SlurmArgs, TradeoffArgs, TrustArgs,
 };
 
 use crate::error::{Error, Result};
@@ -75,11 +75,12 @@ pub fn fail(error: &Error) -> ExitCode {
     log::start_if_not_yet();
     match error {
         Error::Input(problems) => problems.0.iter().for_each(|problem| tracing::error!("{problem}")),
+        Error::Refused(problem) => tracing::error!("{problem}"),
         Error::Check(findings) => findings.iter().for_each(|finding| tracing::error!("{finding}")),
         other => tracing::error!("{}", chain(other)),
     }
     ExitCode::from(match error {
-        Error::Input(_) => 2,
+        Error::Input(_) | Error::Refused(_) => 2,
         Error::Io { .. } | Error::Backend { .. } | Error::Failed { .. } => 1,
         Error::Check(_) => 3,
         Error::Interrupted => 130,

@@ -7,6 +7,7 @@ mod farm;
 mod fuzzy;
 mod merge;
 mod tradeoff;
+mod trust;
 
 pub(super) use batch::BatchOptions;
 pub(super) use bench::BenchOptions;
@@ -15,6 +16,7 @@ pub(super) use farm::{FarmOptions, SlurmOptions};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
 pub(super) use tradeoff::{Against, TradeoffOptions};
+pub(super) use trust::{Trusted, words as trust_words};
 
 use std::num::NonZeroUsize;
 use std::ops::RangeInclusive;
@@ -35,6 +37,7 @@ use crate::scene::Wanted;
 use crate::scene::description::Frames;
 use crate::scene::load::words::suggest;
 use crate::scene::needs::capability::{Capabilities, Capability};
+use crate::trust::{self as files, Trust};
 
 /// Most threads that make any sense on any machine; more is a slip of the hand.
 const MOST_THREADS: usize = 4096;
@@ -65,6 +68,10 @@ pub(super) struct RenderOptions {
     pub(super) cost: Option<Cost>,
     pub(super) precision: Precision,
     pub(super) stats: Option<PathBuf>,
+    /// How far the files of the scene are trusted.
+    pub(super) trust: Trust,
+    /// Where somebody looks at the picture while it is made, `HOST:PORT`.
+    pub(super) display: Option<String>,
 }
 
 /// What is done beside what a scene needs.
@@ -101,8 +108,8 @@ impl Specialise {
     }
 }
 
-/// What `plan` is to plan for.
-pub(super) fn planned(args: &PlanArgs) -> Result<Wanted> {
+/// What `plan` is to plan for, and how far the files of the scene are trusted.
+pub(super) fn planned(args: &PlanArgs) -> Result<(Wanted, Trust)> {
     let mut problems = Problems::default();
     let adaptive = args
         .target_error
@@ -111,7 +118,8 @@ pub(super) fn planned(args: &PlanArgs) -> Result<Wanted> {
         .is_some();
     let specialise = Specialise::new(args.no_specialise.as_deref(), &mut problems);
     let wanted = specialise.wanted(layout(&args.aov, &mut problems), adaptive);
-    problems.into_result(wanted)
+    let trust = Trusted::new(&args.trust, &mut problems).of(&args.scene);
+    problems.into_result((wanted, trust))
 }
 
 /// Where copies of a picture under way are kept.
@@ -182,6 +190,8 @@ impl RenderOptions {
             cost: cost::cost(args, &mut problems),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
+            trust: Trusted::new(&args.trust, &mut problems).of(&args.scene),
+            display: args.display.as_deref().and_then(|text| display(text, &mut problems)),
         };
         cost::check(&options, &mut problems);
         problems.into_result(options)
@@ -250,6 +260,8 @@ pub(super) struct DiffOptions {
     /// Above it the check says no.
     pub(super) max_error: Option<f64>,
     pub(super) viewing: Viewing,
+    /// What the pictures may ask for.
+    pub(super) limits: files::Limits,
     pub(super) json: bool,
     pub(super) threads: Option<NonZeroUsize>,
 }
@@ -273,6 +285,7 @@ impl DiffOptions {
                 .unwrap_or(Metric::RelMse),
             max_error: args.max_error.as_deref().and_then(|text| max_error(text, &mut problems)),
             viewing: args.ppd.as_deref().and_then(|text| viewing(text, &mut problems)).unwrap_or_default(),
+            limits: trust::limits(&args.limits, &mut problems),
             json: args.json,
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
         };
@@ -384,6 +397,17 @@ fn slice(text: &str, problems: &mut Problems) -> Option<Slice> {
     });
     let remedy = || "give K/N with K from 0 to N - 1, such as 0/8".to_owned();
     given(slice, ("slice", text), "a slice", remedy, problems)
+}
+
+/// A machine and one of its ports.
+fn display(text: &str, problems: &mut Problems) -> Option<String> {
+    let text = text.trim();
+    let is_sound = text.rsplit_once(':').is_some_and(|(host, port)| {
+        let is_host = !host.is_empty() && (!host.contains(':') || host.starts_with('['));
+        is_host && port.parse().is_ok_and(|port: u16| port > 0)
+    });
+    let remedy = || "give HOST:PORT, such as localhost:14158".to_owned();
+    given(is_sound.then(|| text.to_owned()), ("display", text), "a place of a viewer", remedy, problems)
 }
 
 /// Where copies are kept, if anywhere.
@@ -593,6 +617,17 @@ mod tests {
             assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
         }
         for text in ["", "s", "0", "-3", "1d", "1m30s", "nan", "inf", "1e300h"] {
+            assert_eq!(parse(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn viewers_have_a_host_and_a_port() {
+        let parse = |text| display(text, &mut Problems::default());
+        for text in ["localhost:14158", "10.0.0.7:1", "[::1]:14158"] {
+            assert_eq!(parse(text).as_deref(), Some(text), "{text}");
+        }
+        for text in ["", "localhost", ":14158", "localhost:", "localhost:0", "localhost:99999", "::1:14158"] {
             assert_eq!(parse(text), None, "{text}");
         }
     }

@@ -21,7 +21,8 @@ pub(super) fn run(args: &PlanArgs) -> Result<()> {
     log::start(&args.log);
     let backend = args.backend.as_ref().map(|word| format!("render.backend={word}"));
     let overrides: Vec<String> = args.overrides.iter().cloned().chain(backend).collect();
-    let frozen = Frozen::read(&args.scene, &overrides, options::planned(args)?)?;
+    let (wanted, trust) = options::planned(args)?;
+    let frozen = Frozen::read(&args.scene, &overrides, wanted, &trust)?;
     let mut warnings = frozen.all_warnings();
     warnings.extend(needs::warnings_of_triangles(&frozen.scene, &frozen.origins));
     let needs = frozen.needs();

@@ -7,6 +7,8 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::Interrupt;
+use crate::display;
+use crate::film::Tile;
 use crate::render::Progress;
 
 /// Between lines where there is no terminal.
@@ -91,6 +93,33 @@ impl Progress for Meter {
 
     fn is_cancelled(&self) -> bool {
         self.interrupt.is_asked()
+    }
+}
+
+/// A meter, and a viewer in which the picture is shown meanwhile.
+#[derive(Debug)]
+pub(super) struct Shown<'a> {
+    pub(super) meter: &'a Meter,
+    pub(super) display: Option<&'a display::Display>,
+}
+
+impl Progress for Shown<'_> {
+    fn advance(&self, done: u64, total: u64) {
+        self.meter.advance(done, total);
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.meter.is_cancelled()
+    }
+
+    fn looks_every(&self) -> Option<Duration> {
+        self.display.map(|_| display::EVERY)
+    }
+
+    fn show(&self, part: &Tile) {
+        if let Some(display) = self.display {
+            display.show(part);
+        }
     }
 }
 

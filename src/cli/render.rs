@@ -11,11 +11,12 @@ use super::batch::memory;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept;
-use super::options::{Output, RenderOptions};
-use super::progress::{Meter, metric};
+use super::options::{Output, RenderOptions, Trusted};
+use super::progress::{Meter, Shown, metric};
 use super::stage::{Made, Order, Stage};
 use super::statistics::{self, Times};
 use super::{log, options, output, threads};
+use crate::display::Display;
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
 use crate::image::{Format, atomic, exr, png};
@@ -34,7 +35,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
 
     let (loaded, mut reading) = Phase::of(|| {
         tracing::debug!("reading {}", options.scene.display());
-        scene::load(&options.scene, &options.overrides)
+        scene::load_within(&options.scene, &options.overrides, &options.trust)
     });
     let loaded = loaded?;
     let count = options.frames.as_ref().map_or(1, |frames| frames.numbers().len());
@@ -65,7 +66,9 @@ fn one(
     let meter = Meter::new(quiet, "samples", interrupt.clone());
     let prediction = stage.settle(&mut options, order.start, &meter)?;
     let options = &options;
-    let made = stage.make(&Order { options, ..*order }, read, &meter);
+    let display = display(options, &stage.frozen()?.scene)?;
+    let shown = Shown { meter: &meter, display: display.as_ref() };
+    let made = stage.make(&Order { options, ..*order }, read, &shown);
     meter.finish();
     let elapsed = order.start.elapsed();
     let Made { rendered, about, settings, mut load, kept } = made?;
@@ -91,12 +94,28 @@ fn one(
     if let Some(kept) = kept {
         kept.remove();
     }
+    if let Some(display) = display {
+        display.finish(&rendered.film);
+    }
     output::print(names(options).as_bytes())
+}
+
+/// Where the picture is shown while it is made, if anywhere: each frame under its own name.
+fn display(options: &RenderOptions, scene: &Scene) -> Result<Option<Display>> {
+    let Some(place) = &options.display else { return Ok(None) };
+    let path = options.scene.display();
+    let name = options.frame.map_or_else(|| path.to_string(), |frame| format!("{path} frame {frame}"));
+    let full = [scene.film.width, scene.film.height];
+    let warn = Box::new(|what: String| tracing::warn!("{what}"));
+    let failed = |error: io::Error| Error::Backend { backend: "threads", what: error.to_string() };
+    Display::start(place, &name, full, warn).map(Some).map_err(failed)
 }
 
 /// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
 fn with_scene_problems(args: &RenderArgs, error: Error) -> Error {
-    match (error, scene::load(&args.scene, &options::overrides(args))) {
+    let Ok(trusted) = Trusted::alone(&args.trust) else { return error };
+    let loaded = scene::load_within(&args.scene, &options::overrides(args), &trusted.of(&args.scene));
+    match (error, loaded) {
         (Error::Input(mut problems), Err(Error::Input(more))) => {
             problems.0.extend(more.0);
             Error::Input(problems)

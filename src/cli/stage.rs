@@ -141,6 +141,7 @@ impl Stage {
         let serves = self.last.as_mut().is_some_and(|Last { frozen, files }| {
             frozen.path == options.scene
                 && frozen.wanted == options.wanted()
+                && frozen.trust == options.trust
                 && files.iter().all(|(path, stamp)| Stamp::of(path) == *stamp)
                 && frozen.retake(&loaded.description, options.frame)
         });
@@ -150,7 +151,8 @@ impl Stage {
             let stamped = |path: PathBuf| (path.clone(), Stamp::of(&path));
             let own = scene::files(&loaded.description, &[]).into_iter();
             let mut files: Vec<_> = own.map(stamped).collect();
-            let frozen = Frozen::of(loaded.clone(), &options.scene, of, &self.library)?;
+            let from = (&options.trust, &self.library);
+            let frozen = Frozen::of(loaded.clone(), &options.scene, of, from)?;
             files.extend(frozen.files.iter().cloned().map(stamped));
             self.tell(&frozen.warnings);
             if let Some(line) = frozen.without_effect().filter(|line| self.told.insert(line.clone())) {

@@ -6,7 +6,7 @@ use std::time::Duration;
 use serde_json::{Value, json};
 
 use super::frozen::Frozen;
-use super::options::RenderOptions;
+use super::options::{RenderOptions, trust_words};
 use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::Counters;
 use crate::math::lanes::Level;
@@ -291,6 +291,7 @@ pub(super) fn replay(options: &RenderOptions, spp: Option<u32>, sample: SampleId
     }
     words.extend(spp.map(|spp| format!("--spp={spp}")));
     words.extend(options.frame.map(|frame| format!("--frames={frame}")));
+    words.extend(trust_words(&options.trust));
     words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
     words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
     words.join(" ")
@@ -332,6 +333,7 @@ fn peak_memory() -> Option<u64> {
 mod tests {
     use super::*;
     use crate::film::Precision;
+    use crate::trust::Trust;
 
     #[test]
     fn a_replay_command_repeats_the_overrides_and_crops_to_the_pixel() {
@@ -353,6 +355,8 @@ mod tests {
             cost: None,
             precision: Precision::Float,
             stats: None,
+            trust: Trust::default(),
+            display: None,
         };
         let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
         let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --frames=-2 --crop 3,5,4,6 -o pixel.exr";

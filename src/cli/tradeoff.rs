@@ -75,7 +75,7 @@ impl Plan {
     /// What is to be done with a scene that is known now.
     fn new(options: TradeoffOptions) -> Result<Self> {
         let mut overrides = options.overrides.clone();
-        let film = scene::load(&options.scene, &overrides)?.description.film;
+        let film = scene::load_within(&options.scene, &overrides, &options.trust)?.description.film;
         let longest = film.width.max(film.height);
         let mut size = [film.width, film.height];
         if !options.is_sized && matches!(options.against, Against::Rendered(_)) && longest > USUAL {
@@ -83,7 +83,7 @@ impl Plan {
             overrides.extend([format!("film.width={}", size[0]), format!("film.height={}", size[1])]);
             tracing::info!("pictures of {} x {}: --width and --height say otherwise", size[0], size[1]);
         }
-        let (subject, warnings) = Subject::read(&options.scene, &overrides)?;
+        let (subject, warnings) = Subject::read(&options.scene, &overrides, &options.trust)?;
         log::warn(&warnings);
         subject.check()?;
         let (axes, idle) = chosen(&options, &subject);
@@ -103,7 +103,7 @@ impl Plan {
 
     fn carry_out(&self, machine: Machine, progress: &dyn Progress) -> Result<Report> {
         let options = &self.options;
-        let (mut subject, _) = Subject::read(&options.scene, &self.overrides)?;
+        let (mut subject, _) = Subject::read(&options.scene, &self.overrides, &options.trust)?;
         let sweep = Sweep::new(&subject, &self.axes, self.design, options.runs)?;
         let mut head = self.head(&subject, &machine)?;
         if let Some((path, true)) = &options.keep {
@@ -182,7 +182,7 @@ impl Plan {
     fn reference(&self, subject: &mut Subject, head: &Value, progress: &dyn Progress) -> Result<Reference> {
         let (settings, spp) = &self.reference;
         if let Against::File(path) = &self.options.against {
-            let reference = Reference::read(path, self.size)?;
+            let reference = Reference::read(path, self.size, self.options.trust.limits)?;
             if reference.variances.is_none() {
                 tracing::warn!(
                     "{}: its noise is not known and counts as bias; `specula render --aov variance` writes it",
@@ -196,7 +196,8 @@ impl Plan {
         about["spp"] = json!(spp);
         let kept = self.options.keep.as_ref().map(|(path, _)| beside(path));
         if let Some(path) = &kept
-            && let Some(reference) = Reference::read_kept(path, &about, self.size)?
+            && let Some(reference) =
+                Reference::read_kept(path, &about, (self.size, self.options.trust.limits))?
         {
             tracing::info!("the reference is that in `{}`", path.display());
             return Ok(reference);

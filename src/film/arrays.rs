@@ -165,6 +165,10 @@ impl Film {
         for ((shares, &lengths), &[is_seen, object, material, depth]) in
             sums.shares.iter_mut().zip(lengths).zip(seen)
         {
+            // Pictures count things from 1.
+            if is_seen != 0 && object.max(material) == u32::MAX {
+                return Err(contradiction());
+            }
             let seen = Seen { object, material, depth: f32::from_bits(depth) };
             shares.nearest = (is_seen != 0).then_some(seen);
             shares.objects = all.by_ref().take(lengths[0] as usize).collect();

@@ -163,6 +163,11 @@ impl Film {
         (0..self.sums.counts.len()).map(|pixel| self.sums.value(pixel, value)).collect()
     }
 
+    /// Radiance and coverage of each pixel by row, as files have them.
+    pub fn shown(&self) -> Vec<[f32; 4]> {
+        self.sums.shown()
+    }
+
     /// The radiance of the pixels of a part by row; black if it is not kept.
     ///
     /// # Panics

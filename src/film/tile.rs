@@ -202,6 +202,16 @@ impl Tile {
         (weighted + (1.0 - self.weights[pixel] / count) * plain) as f32
     }
 
+    /// Radiance and coverage of each pixel by row, as files have them; black where there are no samples, all covered where that is not kept.
+    pub fn shown(&self) -> Vec<[f32; 4]> {
+        let [beauty, alpha] = [Aov::Beauty, Aov::Alpha].map(|aov| self.layout.offset(aov));
+        let shown = |pixel: usize| {
+            let [r, g, b] = [0, 1, 2].map(|i| beauty.map_or(0.0, |at| self.value(pixel, at + i)));
+            [r, g, b, alpha.map_or(1.0, |at| self.value(pixel, at).clamp(0.0, 1.0))]
+        };
+        (0..self.counts.len()).map(shown).collect()
+    }
+
     /// The number of a sample's pixel.
     fn place(&self, sample: SampleId) -> usize {
         assert!(self.window.contains(sample.x, sample.y), "{sample:?} outside of {:?}", self.window);

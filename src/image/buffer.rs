@@ -2,11 +2,9 @@
 
 use std::path::Path;
 
-use crate::error::{Place, Problem, Result};
+use crate::error::{Error, Place, Problem, Result};
 use crate::math::Rgb;
-
-/// Most pixels that a picture from outside may have: 16 384 squared, 3 GiB of colour. More is taken for a broken header.
-pub(super) const MAX_PIXELS: u64 = 1 << 28;
+use crate::trust::{Limit, Limits};
 
 /// Linear Rec.709 colour of each pixel, by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,16 +123,24 @@ impl Window {
     }
 }
 
-/// Refuses a picture without pixels, or with more than memory is risked for.
-pub(super) fn check_size(path: &Path, width: u64, height: u64) -> Result<()> {
+/// Refuses a picture without pixels, or with more than are allowed.
+pub(super) fn check_size(path: &Path, [width, height]: [u64; 2], limits: &Limits) -> Result<()> {
     let problem = |what: String| Problem::at(Place::file(path), what);
     if width == 0 || height == 0 {
         return Err(problem(format!("a picture of {width} by {height} pixels has none")).into());
     }
-    if width.saturating_mul(height) > MAX_PIXELS {
-        return Err(problem(format!("a picture of {width} by {height} pixels is too large"))
-            .remedy(format!("at most {MAX_PIXELS} pixels are read; check the file, or scale it down"))
-            .into());
+    limits.check(Limit::Texels, width.saturating_mul(height)).map_err(|excess| {
+        let what = format!("a picture of {width} by {height} pixels is too large: {excess}");
+        Error::Refused(problem(what).remedy(excess.remedy()))
+    })
+}
+
+/// Refuses a picture that no file of so many bytes can hold at `most` pixels a byte: what a broken header claims is no reason to take
+/// memory.
+pub(super) fn check_claim(path: &Path, [width, height]: [u64; 2], bytes: usize, most: u64) -> Result<()> {
+    if width.saturating_mul(height) / most > bytes as u64 {
+        let what = "its header claims more pixels than its bytes can hold";
+        return Err(Problem::at(Place::file(path), what).remedy("write it again").into());
     }
     Ok(())
 }
@@ -203,9 +209,10 @@ mod tests {
     #[test]
     fn absurd_sizes_are_refused() {
         let path = Path::new("a.exr");
-        assert!(check_size(path, 0, 5).is_err(), "no pixel");
-        assert!(check_size(path, u64::MAX, u64::MAX).is_err(), "overflow");
-        assert!(check_size(path, 16384, 16384).is_ok(), "the largest");
+        let limits = Limits::default();
+        assert!(check_size(path, [0, 5], &limits).is_err(), "no pixel");
+        assert!(check_size(path, [u64::MAX; 2], &limits).is_err(), "overflow");
+        assert!(check_size(path, [32_000, 31_250], &limits).is_ok(), "the largest");
     }
 
     #[test]

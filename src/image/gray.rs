@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use super::exr::Picture;
-use super::{exr, extension, hdr, png};
+use super::{exr, files, hdr, known, png};
 use crate::error::{Place, Problem, Result};
+use crate::trust::{Limits, Trust};
 
 /// One number per pixel, by row from the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,22 +19,31 @@ pub struct Gray {
     pub values: Vec<f32>,
 }
 
-/// The numbers in a `.png`, `.exr` or `.hdr` file. Colours are refused, unless they are grays; coverage is ignored.
+/// Extensions of the files that [`read_gray`] reads.
+const KINDS: [&str; 3] = ["exr", "hdr", "png"];
+
+/// The numbers in a `.png`, `.exr` or `.hdr` file, within the usual limits. Colours are refused, unless they are grays; coverage is ignored.
 pub fn read_gray(path: &Path) -> Result<Gray> {
-    let (width, height, values) = match extension(path).as_str() {
-        "png" => from_png(path)?,
-        "exr" => from_exr(exr::read(path)?),
-        "hdr" => {
-            let image = hdr::read(path)?.image;
+    read_gray_within(path, &Trust::default())
+}
+
+/// The same of a file that is trusted so far.
+pub fn read_gray_within(path: &Path, trust: &Trust) -> Result<Gray> {
+    known(path, &KINDS)?;
+    decode_gray(&trust.read(path, files::UNREAD)?, path, &trust.limits)
+}
+
+/// The same of the bytes of a file; `path` tells of which kind, and is for messages.
+pub fn decode_gray(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Gray> {
+    let (width, height, values): Numbers = match known(path, &KINDS)? {
+        "png" => from_png(bytes, path, limits)?,
+        "exr" => from_exr(exr::decode(bytes, path, limits)?),
+        _ => {
+            let image = hdr::decode(bytes, path, limits)?.image;
             let values = image.pixels().iter().map(|p| gray([p.r, p.g, p.b])).collect();
             (image.width(), image.height(), values)
         }
-        _ => {
-            let problem = Problem::at(Place::file(path), "not a picture that can be read");
-            return Err(problem.remedy("use a .png, .exr or .hdr file").into());
-        }
     };
-    let values: Option<Vec<f32>> = values;
     let Some(values) = values else {
         let problem =
             Problem::at(Place::file(path), "a colour picture, where one number per pixel is needed");
@@ -50,9 +60,9 @@ fn gray([r, g, b]: [f32; 3]) -> Option<f32> {
     same.then_some(r)
 }
 
-fn from_png(path: &Path) -> Result<Numbers> {
+fn from_png(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Numbers> {
     // 16 bits hold what 8 bits say exactly, as 257 times as much. Numbers are taken as they are, whatever the file says of gamma.
-    let picture = png::decoded(path)?.0.into_rgb16();
+    let picture = png::decoded(bytes, path, limits)?.0.into_rgb16();
     let values = picture.pixels().map(|p| gray(p.0.map(|x| f32::from(x) / 65535.0))).collect();
     Ok((picture.width(), picture.height(), values))
 }

@@ -16,10 +16,11 @@ pub mod tone;
 use std::path::Path;
 
 pub use buffer::{Image, Window};
-pub use gray::{Gray, read_gray};
-pub use raster::{Pixels, RASTERS, Raster, read_raster};
+pub use gray::{Gray, decode_gray, read_gray, read_gray_within};
+pub use raster::{Pixels, RASTERS, Raster, decode_raster, read_raster, read_raster_within};
 
 use crate::error::{Place, Problem, Result};
+use crate::trust::{Limits, Trust};
 
 /// What kind of file a picture is written to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,29 +84,50 @@ impl From<Image> for Decoded {
     }
 }
 
-/// The colour picture in an `.exr` or `.hdr` file.
+/// The colour picture in an `.exr` or `.hdr` file, within the usual limits.
 pub fn read(path: &Path) -> Result<Decoded> {
-    match extension(path).as_str() {
-        "exr" => exr::read(path)?.into_decoded(path),
-        "hdr" => hdr::read(path),
-        _ => Err(Problem::at(Place::file(path), "not a picture that can be read")
-            .remedy("use an .exr or .hdr file")
-            .into()),
+    read_within(path, &Trust::default())
+}
+
+/// The colour picture in an `.exr` or `.hdr` file that is trusted so far.
+pub fn read_within(path: &Path, trust: &Trust) -> Result<Decoded> {
+    known(path, &["exr", "hdr"])?;
+    decode(&trust.read(path, files::UNREAD)?, path, &trust.limits)
+}
+
+/// The colour picture in the bytes of an `.exr` or `.hdr` file; `name` tells which, and is for messages.
+pub fn decode(bytes: &[u8], name: &Path, limits: &Limits) -> Result<Decoded> {
+    match known(name, &["exr", "hdr"])? {
+        "exr" => exr::decode(bytes, name, limits)?.into_decoded(name),
+        // The only other one.
+        _ => hdr::decode(bytes, name, limits),
     }
 }
 
 /// The colour picture in an `.exr`, `.hdr` or `.png` file with its numbers as they are, finite or not: for those who judge
 /// a file rather than use it.
-pub fn read_as_stored(path: &Path) -> Result<Decoded> {
-    match extension(path).as_str() {
-        "exr" => exr::read(path)?.into_stored(path),
+pub fn read_as_stored(path: &Path, trust: &Trust) -> Result<Decoded> {
+    let kind = known(path, &["exr", "hdr", "png"])?;
+    let bytes = trust.read(path, files::UNREAD)?;
+    match kind {
+        "exr" => exr::decode(&bytes, path, &trust.limits)?.into_stored(path),
         // The format has no way to write a number that is not finite.
-        "hdr" => hdr::read(path),
-        "png" => png::read(path),
-        _ => Err(Problem::at(Place::file(path), "not a picture that can be read")
-            .remedy("use an .exr, .hdr or .png file")
-            .into()),
+        "hdr" => hdr::decode(&bytes, path, &trust.limits),
+        _ => png::decode(&bytes, path, &trust.limits),
     }
+}
+
+/// Which of some kinds of files it is by its extension; a [`Problem`] if it is none of them.
+fn known(path: &Path, kinds: &[&'static str]) -> Result<&'static str> {
+    let extension = extension(path);
+    kinds.iter().copied().find(|&kind| kind == extension).ok_or_else(|| {
+        let (last, others) = kinds.split_last().unwrap_or((&"", &[]));
+        let others: Vec<String> = others.iter().map(|kind| format!(".{kind}")).collect();
+        let article = if kinds.first() == Some(&"exr") { "an" } else { "a" };
+        Problem::at(Place::file(path), "not a picture that can be read")
+            .remedy(format!("use {article} {} or .{last} file", others.join(", ")))
+            .into()
+    })
 }
 
 /// The extension of a file name in lower case, empty where there is none.

@@ -2,18 +2,18 @@
 //!
 //! Bytes are encoded by sRGB, whatever a file says of gamma or colour profiles; a gamma that differs is told.
 
-use std::fs::File;
-use std::io::{self, BufReader, Read, Seek, SeekFrom};
+use std::io::{self, Cursor, Read, Seek, SeekFrom};
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngDecoder, PngEncoder};
 use image::{DynamicImage, ExtendedColorType, ImageDecoder as _, ImageEncoder as _};
 
-use super::buffer::check_size;
+use super::buffer::{check_claim, check_size};
 use super::tone::{Development, linear_from_srgb};
 use super::{Decoded, Image, Range, Window, atomic, files};
 use crate::error::{Place, Problem, Result};
 use crate::math::Rgb;
+use crate::trust::{Limits, Trust};
 
 /// Most pixels that one byte of a file can hold: one bit each, and deflate stays below 1032:1.
 const MAX_PIXELS_PER_BYTE: u64 = 8 * 1032;
@@ -38,7 +38,13 @@ pub fn encode(into: impl io::Write, [width, height]: [u32; 2], bytes: &[u8]) -> 
 
 /// The picture in a PNG file of 1 to 16 bits, in colour, grey or with a palette, as linear light from 0 to 1.
 pub fn read(path: &Path) -> Result<Decoded> {
-    let (picture, warnings) = decoded(path)?;
+    let trust = Trust::default();
+    decode(&trust.read(path, files::UNREAD)?, path, &trust.limits)
+}
+
+/// The same of the bytes of a file; `path` is for messages.
+pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Decoded> {
+    let (picture, warnings) = decoded(bytes, path, limits)?;
     let has_alpha = picture.color().has_alpha();
     let picture = picture.into_rgba16();
     let (width, height) = picture.dimensions();
@@ -55,22 +61,14 @@ pub fn read(path: &Path) -> Result<Decoded> {
     Ok(Decoded { image, range: Range::Display, alpha, window, full: [width, height], warnings })
 }
 
-/// The pixels of a PNG file as it holds them, and what is odd about it. What its header claims is checked before memory is
+/// The pixels of the bytes of a PNG file as it holds them, and what is odd about it. What its header claims is checked before memory is
 /// asked for.
-pub(super) fn decoded(path: &Path) -> Result<(DynamicImage, Vec<Problem>)> {
-    let unread = |error| files::unread(path, error);
-    let file = File::open(path).map_err(unread)?;
-    let bytes = file.metadata().map_err(unread)?.len();
-    let gamma = stated_gamma(&mut BufReader::new(&file)).unwrap_or(None);
-    (&file).rewind().map_err(unread)?;
-    let decoder =
-        PngDecoder::new(BufReader::new(file)).map_err(|error| files::refused(path, "PNG", error))?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into())?;
-    if u64::from(width) * u64::from(height) / MAX_PIXELS_PER_BYTE > bytes {
-        let what = "its header claims more pixels than its bytes can hold";
-        return Err(Problem::at(Place::file(path), what).remedy("write it again").into());
-    }
+pub(super) fn decoded(bytes: &[u8], path: &Path, limits: &Limits) -> Result<(DynamicImage, Vec<Problem>)> {
+    let gamma = stated_gamma(&mut Cursor::new(bytes)).unwrap_or(None);
+    let decoder = PngDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, "PNG", error))?;
+    let size = [decoder.dimensions().0, decoder.dimensions().1].map(u64::from);
+    check_size(path, size, limits)?;
+    check_claim(path, size, bytes.len(), MAX_PIXELS_PER_BYTE)?;
     let warnings = gamma.and_then(|gamma| odd_gamma(path, gamma)).into_iter().collect();
     Ok((files::decoded(path, "PNG", decoder)?, warnings))
 }

@@ -1,16 +1,16 @@
 //! Pictures for textures: numbers as their files hold them, compact, not turned to light.
 
-use std::fs::File;
-use std::io::BufReader;
+use std::io::Cursor;
 use std::path::Path;
 
 use image::codecs::jpeg::JpegDecoder;
 use image::{ColorType, DynamicImage, ImageDecoder as _};
 
-use super::buffer::check_size;
+use super::buffer::{check_claim, check_size};
 use super::exr::Samples;
-use super::{Decoded, exr, extension, files, hdr, png};
-use crate::error::{Place, Problem, Result};
+use super::{Decoded, exr, files, hdr, known, png};
+use crate::error::{Problem, Result};
+use crate::trust::{Limits, Trust};
 
 /// Extensions of the files that [`read_raster`] reads.
 pub const RASTERS: &[&str] = &["png", "jpg", "jpeg", "exr", "hdr"];
@@ -48,27 +48,34 @@ pub enum Pixels {
     },
 }
 
-/// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file. Gamma and colour profiles in it are not applied; an odd gamma is
-/// told.
+/// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file, within the usual limits. Gamma and colour profiles in it are not applied; an odd
+/// gamma is told.
 pub fn read_raster(path: &Path) -> Result<Raster> {
-    match extension(path).as_str() {
-        "png" => png::decoded(path).map(|(picture, warnings)| from_display(picture, warnings)),
-        "jpg" | "jpeg" => from_jpeg(path).map(|picture| from_display(picture, vec![])),
+    read_raster_within(path, &Trust::default())
+}
+
+/// The same of a file that is trusted so far.
+pub fn read_raster_within(path: &Path, trust: &Trust) -> Result<Raster> {
+    known(path, RASTERS)?;
+    decode_raster(&trust.read(path, files::UNREAD)?, path, &trust.limits)
+}
+
+/// The same of the bytes of a file; `path` tells of which kind, and is for messages.
+pub fn decode_raster(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Raster> {
+    match known(path, RASTERS)? {
+        "png" => png::decoded(bytes, path, limits).map(|(picture, warnings)| from_display(picture, warnings)),
+        "jpg" | "jpeg" => from_jpeg(bytes, path, limits).map(|picture| from_display(picture, vec![])),
         "exr" => {
-            let picture = exr::read(path)?;
+            let picture = exr::decode(bytes, path, limits)?;
             let half = picture.channels.iter().all(|channel| matches!(channel.samples, Samples::Half(_)));
             Ok(from_light(picture.into_decoded(path)?, half))
         }
-        "hdr" => {
-            let decoded = hdr::read(path)?;
+        _ => {
+            let decoded = hdr::decode(bytes, path, limits)?;
             // Eight bits of mantissa fit; the exponents may not.
             let largest = decoded.image.pixels().iter().map(|p| p.max_channel()).fold(0.0, f32::max);
             let half = largest <= half::f16::MAX.to_f32();
             Ok(from_light(decoded, half))
-        }
-        _ => {
-            let problem = Problem::at(Place::file(path), "not a picture that can be read");
-            Err(problem.remedy("use a .png, .jpg, .exr or .hdr file").into())
         }
     }
 }
@@ -82,14 +89,16 @@ fn from_light(decoded: Decoded, half: bool) -> Raster {
     Raster { width, height, pixels, encoded: false, has_alpha: alpha.is_some(), warnings }
 }
 
-/// The picture in a JPEG file; its size is checked before memory is asked for.
-fn from_jpeg(path: &Path) -> Result<DynamicImage> {
+/// Most pixels that one byte of a JPEG file can hold: blocks of 64 take a bit each at least, and twice that to be safe.
+const MAX_PIXELS_PER_BYTE: u64 = 2 * 8 * 64;
+
+/// The picture in the bytes of a JPEG file; its size is checked before memory is asked for.
+fn from_jpeg(bytes: &[u8], path: &Path, limits: &Limits) -> Result<DynamicImage> {
     const KIND: &str = "JPEG";
-    let file = File::open(path).map_err(|error| files::unread(path, error))?;
-    let decoder =
-        JpegDecoder::new(BufReader::new(file)).map_err(|error| files::refused(path, KIND, error))?;
-    let (width, height) = decoder.dimensions();
-    check_size(path, width.into(), height.into())?;
+    let decoder = JpegDecoder::new(Cursor::new(bytes)).map_err(|error| files::refused(path, KIND, error))?;
+    let size = [decoder.dimensions().0, decoder.dimensions().1].map(u64::from);
+    check_size(path, size, limits)?;
+    check_claim(path, size, bytes.len(), MAX_PIXELS_PER_BYTE)?;
     files::decoded(path, KIND, decoder)
 }
 
@@ -171,7 +180,7 @@ mod tests {
         let path = dir.path().join("a.png");
         let mut sound = Vec::new();
         let picture = DynamicImage::ImageLuma8(image::GrayImage::new(1, 1));
-        picture.write_to(&mut std::io::Cursor::new(&mut sound), image::ImageFormat::Png).expect("written");
+        picture.write_to(&mut Cursor::new(&mut sound), image::ImageFormat::Png).expect("written");
         // Width and height stand behind the signature and the head of the first chunk, its checksum behind its 13 bytes.
         sound[16..20].copy_from_slice(&16000_u32.to_be_bytes());
         sound[20..24].copy_from_slice(&16000_u32.to_be_bytes());

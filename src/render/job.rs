@@ -1,6 +1,6 @@
 //! What a rendering is told, and what it tells.
 
-use crate::film::{Film, Layout};
+use crate::film::{Film, Layout, Tile};
 use crate::image::Window;
 use crate::integrator::Counters;
 use crate::post::GBuffer;
@@ -34,6 +34,14 @@ pub trait Progress: Sync {
 
     /// Whether to stop.
     fn is_cancelled(&self) -> bool;
+
+    /// How old what is shown may be; nobody looks at the picture if absent. No pixel depends on it.
+    fn looks_every(&self) -> Option<Duration> {
+        None
+    }
+
+    /// Is shown a part of the picture as it is now. Must not wait.
+    fn show(&self, _part: &Tile) {}
 }
 
 /// Nobody watches.

@@ -6,7 +6,7 @@
 
 use crate::error::{Error, Result};
 use crate::render::schedule::PACKET;
-use crate::render::{Keeper, Phase, State};
+use crate::render::{Keeper, Phase, Progress, State};
 use cpu_time::ProcessTime;
 use std::ops::Range;
 use std::sync::mpsc::{self, RecvTimeoutError};
@@ -110,6 +110,13 @@ impl Running {
     }
 }
 
+/// How many seconds samples of a tile may take before they are put, if that matters to anybody.
+pub(super) fn longest(keeper: Option<&dyn Keeper>, progress: &dyn Progress) -> Option<f64> {
+    let kept = keeper.map(|keeper| (keeper.every().as_secs_f64() * PART).min(LONGEST));
+    let shown = progress.looks_every().map(|every| every.as_secs_f64());
+    kept.into_iter().chain(shown).reduce(f64::min)
+}
+
 /// Cuts samples of a tile to be put one after the other: all at once, or by time.
 pub(super) struct Pieces {
     left: Range<u32>,
@@ -120,9 +127,8 @@ pub(super) struct Pieces {
 }
 
 impl Pieces {
-    /// Of these samples.
-    pub(super) fn new(samples: Range<u32>, keeper: Option<&dyn Keeper>) -> Self {
-        let longest = keeper.map(|keeper| (keeper.every().as_secs_f64() * PART).min(LONGEST));
+    /// Of these samples, by so many seconds.
+    pub(super) fn new(samples: Range<u32>, longest: Option<f64>) -> Self {
         Self { left: samples, longest, last: None }
     }
 }

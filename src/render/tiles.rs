@@ -8,7 +8,7 @@ use crate::image::Window;
 use crate::integrator::{CameraRay, Counters, Deferred, Features, Integrator, Path, Radiance, Wave, Worker};
 use crate::render::course::Course;
 use crate::render::eye::Eye;
-use crate::render::keeping::{Pieces, Running};
+use crate::render::keeping::{Pieces, Running, longest};
 use crate::render::samples::{Begin, CameraSamples, Cursor};
 use crate::render::schedule::{PACKET, Pass};
 use crate::render::{Ended, Estimate, Keeper, Limits, Phase, Progress, State};
@@ -135,9 +135,10 @@ fn take<A: Accel, E: Engine>(
         plan.progress.advance(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
     };
     let plain = plan.layout == Layout::default();
+    let longest = longest(plan.keeper, plan.progress);
     let one = |memory: &mut E::Memory, window, all: &Range<u32>| -> Result<()> {
         let there = plan.samples.start + running.locked().state.film.taken(window);
-        for samples in Pieces::new(there.max(all.start)..all.end, plan.keeper) {
+        for samples in Pieces::new(there.max(all.start)..all.end, longest) {
             let tile = running.locked().state.film.part(window);
             let coherent = pass.coherent;
             let mut work =
@@ -146,6 +147,8 @@ fn take<A: Accel, E: Engine>(
             let mut running = running.locked();
             running.state.film.put(&work.tile);
             running.state.counters += counters;
+            drop(running);
+            plan.progress.show(&work.tile);
         }
         Ok(())
     };

@@ -21,7 +21,7 @@ use crate::render::eye::Eye;
 use crate::render::keeping::Running;
 use crate::render::query::level;
 use crate::render::samples::CameraSamples;
-use crate::render::tiles::{Plan, outputs};
+use crate::render::tiles::{Plan, outputs, tiles};
 use crate::render::{Ended, Phase, Rendered, Settings, State, Statistics};
 use crate::sampling::{Dim, Sampler, Vertex};
 use crate::scene::Scene;
@@ -110,6 +110,11 @@ fn samples<A: Accel>(
         running.state.film.put(&tile);
         running.state.counters += counters;
         running.state.filtering += filtering;
+        if plan.progress.looks_every().is_some() {
+            let film = &running.state.film;
+            tiles(plan.window).into_iter().for_each(|part| plan.progress.show(&film.part(part)));
+        }
+        drop(running);
         if plan.first_pass {
             first_pass.push(part(&g, plan.window));
         }

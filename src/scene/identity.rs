@@ -1,8 +1,9 @@
 //! What a picture is of: the description and all files that it is made of.
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Place, Result};
 use crate::scene::fingerprint::related;
 use crate::scene::{Description, Library};
+use crate::trust::{Excess, Limit, Trust};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -15,25 +16,35 @@ use xxhash_rust::xxh3::Xxh3;
 /// Files count by what they hold, not by size and time: on another machine of a farm a copy has another time, and a file that was
 /// just read is read again in no time. Files that are not there count as such. By XXH3 of 128 bits (Collet 2019).
 ///
-/// Fails if a file cannot be read.
+/// Fails if a file cannot be read, or is beyond the usual limits.
 pub fn identity(description: &Description, folder: &Path, more: &[PathBuf]) -> Result<Value> {
-    let files = digest_of_files(description, folder, more, &Library::default())?;
+    identity_within(description, folder, more, &Trust::default())
+}
+
+/// The same of files that are trusted so far.
+pub fn identity_within(
+    description: &Description,
+    folder: &Path,
+    more: &[PathBuf],
+    trust: &Trust,
+) -> Result<Value> {
+    let files = digest_of_files(description, folder, more, (trust, &Library::default()))?;
     Ok(json!({ "scene": related(description, folder), "files": files }))
 }
 
-/// The part of [`identity`] that is about files, with digits that a library has already.
+/// The part of [`identity`] that is about files, trusted so far, with digits that a library has already.
 ///
 /// Fails if a file cannot be read.
 pub fn digest_of_files(
     description: &Description,
     folder: &Path,
     more: &[PathBuf],
-    library: &Library,
+    (trust, library): (&Trust, &Library),
 ) -> Result<Map<String, Value>> {
     let folder = full(folder);
     let mut digests = Map::new();
     for path in &files(description, more) {
-        digests.insert(seen(path, &folder), library.digits(path)?.into());
+        digests.insert(seen(path, &folder), library.digits(path, trust)?.into());
     }
     Ok(digests)
 }
@@ -41,8 +52,8 @@ pub fn digest_of_files(
 /// Digits of a file that is called so as seen from `folder`.
 ///
 /// Fails if it cannot be read.
-pub fn digest_of_file(name: &str, folder: &Path, library: &Library) -> Result<String> {
-    library.digits(&full(folder).join(name))
+pub fn digest_of_file(name: &str, folder: &Path, (trust, library): (&Trust, &Library)) -> Result<String> {
+    library.digits(&full(folder).join(name), trust)
 }
 
 /// The files that a description names, and `more`: from the root, each once, in order.
@@ -86,19 +97,28 @@ fn collect(json: &Value, into: &mut BTreeSet<PathBuf>) {
     }
 }
 
-/// Of what a file holds.
-pub(super) fn digits(path: &Path) -> Result<String> {
+/// Of what a file holds, and how many bytes that are.
+pub(super) fn digits(path: &Path, trust: &Trust) -> Result<(String, u64)> {
+    trust.check(path)?;
     let failed = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let too_much = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
     let mut file = match File::open(path) {
         Ok(file) => file,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok("not there".to_owned()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Ok(("not there".to_owned(), 0));
+        }
         Err(error) => return Err(failed(error)),
     };
-    let (mut hasher, mut block) = (Xxh3::new(), vec![0; 1 << 18]);
+    let (mut hasher, mut block, mut length) = (Xxh3::new(), vec![0; 1 << 18], 0);
     loop {
         match file.read(&mut block) {
-            Ok(0) => return Ok(format!("{:032x}", hasher.digest128())),
-            Ok(read) => hasher.update(&block[..read]),
+            Ok(0) => return Ok((format!("{:032x}", hasher.digest128()), length)),
+            Ok(read) => {
+                hasher.update(&block[..read]);
+                // Pipes and devices do not tell their length.
+                length += read as u64;
+                trust.limits.check(Limit::Bytes, length).map_err(too_much)?;
+            }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
             Err(error) => return Err(failed(error)),
         }

@@ -4,10 +4,11 @@
 //! by size, time and number of the file, where hashing would read as much as was saved. Above a limit of bytes, what was not asked for
 //! longest goes. Who holds a thing keeps it, whatever the library does.
 
-use crate::error::Result;
+use crate::error::{Error, Place, Result};
 use crate::scene::description::Normals;
 use crate::scene::identity;
 use crate::texture::Space;
+use crate::trust::{Excess, Limit, Trust};
 use std::any::Any;
 use std::collections::HashMap;
 use std::fs;
@@ -70,8 +71,21 @@ struct Slot {
 struct Kept {
     thing: Arc<dyn Any + Send + Sync>,
     bytes: u64,
+    /// What it asks of limits.
+    takes: (Limit, u64),
     /// The files that it was made of, as they were before they were read.
     of: Vec<(PathBuf, Stamp)>,
+}
+
+impl Kept {
+    /// Refuses it to those who may not read its files, among them the one at `path` as they call it, or may not have so much.
+    fn check(&self, path: &Path, trust: &Trust) -> Result<()> {
+        let (limit, found) = self.takes;
+        let too_much = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
+        trust.limits.check(limit, found).map_err(too_much)?;
+        trust.check(path)?;
+        self.of.iter().try_for_each(|(path, _)| trust.check(path))
+    }
 }
 
 /// What tells a file from another one in its place; nothing of one that is not there.
@@ -107,6 +121,8 @@ pub(super) struct Made<T> {
     pub(super) thing: T,
     /// Bytes of memory that it takes.
     pub(super) bytes: usize,
+    /// What it asks of limits, which was allowed when it was made.
+    pub(super) takes: (Limit, u64),
     /// Files besides the one asked for.
     pub(super) more: Vec<PathBuf>,
 }
@@ -137,21 +153,24 @@ impl Library {
     }
 
     /// 32 hexadecimal digits that stand for what a file holds, as [`identity`](super::identity()) has them.
-    pub(super) fn digits(&self, path: &Path) -> Result<String> {
-        let digits = self.thing(path, Form::Digits, || {
-            let thing = identity::digits(path)?;
-            Ok(Made { bytes: thing.len() + path.as_os_str().len() + 256, thing, more: vec![] })
+    pub(super) fn digits(&self, path: &Path, trust: &Trust) -> Result<String> {
+        let digits = self.thing(path, Form::Digits, trust, || {
+            let (thing, length) = identity::digits(path, trust)?;
+            let bytes = thing.len() + path.as_os_str().len() + 256;
+            Ok(Made { bytes, takes: (Limit::Bytes, length), thing, more: vec![] })
         })?;
         Ok((*digits).clone())
     }
 
     /// What the file at `path` makes in that form: what is kept of it, if no file has changed, else what `read` makes.
     ///
-    /// What several threads ask for at the same time is read once.
+    /// What several threads ask for at the same time is read once. Fails with [`Error::Refused`] where what is kept is more than those who ask
+    /// may have, or of files that they may not read; `read` is to see to that itself.
     pub(super) fn thing<T: Any + Send + Sync>(
         &self,
         path: &Path,
         form: Form,
+        trust: &Trust,
         read: impl FnOnce() -> Result<Made<T>>,
     ) -> Result<Arc<T>> {
         let key = (path.canonicalize().unwrap_or_else(|_| path.to_owned()), form);
@@ -167,6 +186,7 @@ impl Library {
             && known.of.iter().all(|(path, stamp)| Stamp::of(path) == *stamp)
             && let Ok(thing) = known.thing.clone().downcast::<T>()
         {
+            known.check(path, trust)?;
             if form != Form::Digits {
                 self.shared.fetch_add(1, Ordering::Relaxed);
             }
@@ -190,11 +210,11 @@ impl Library {
             }
             return made.map(|made| Arc::new(made.thing));
         }
-        made.map(|Made { thing, more, .. }| {
+        made.map(|Made { thing, takes, more, .. }| {
             let thing = Arc::new(thing);
             let more = more.into_iter().map(|path| (path.clone(), Stamp::of(&path)));
             let of = std::iter::once((path.to_owned(), stamp)).chain(more).collect();
-            *kept = Some(Kept { thing: thing.clone(), bytes, of });
+            *kept = Some(Kept { thing: thing.clone(), bytes, takes, of });
             shelf.bytes += bytes;
             self.make_room(&mut shelf);
             thing
@@ -236,9 +256,10 @@ mod tests {
     fn read(library: &Library, path: &Path, form: Form) -> Vec<u8> {
         let made = || {
             let thing = fs::read(path).map_err(|_| Problem::new("cannot read"))?;
-            Ok(Made { bytes: thing.len(), thing, more: vec![path.with_extension("more")] })
+            let takes = (Limit::Bytes, thing.len() as u64);
+            Ok(Made { bytes: thing.len(), takes, thing, more: vec![path.with_extension("more")] })
         };
-        let thing: Result<Arc<Vec<u8>>> = library.thing(path, form, made);
+        let thing: Result<Arc<Vec<u8>>> = library.thing(path, form, &Trust::default(), made);
         thing.map(|thing| thing.to_vec()).unwrap_or_default()
     }
 

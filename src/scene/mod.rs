@@ -17,13 +17,13 @@ pub mod schema;
 mod track;
 mod wanted;
 
-pub use build::{Built, build, build_for, build_from, retake};
+pub use build::{Built, build, build_for, build_from, build_within, retake};
 pub use description::{Description, Direct, GlassShadows};
 pub use fingerprint::fingerprint;
 pub use frozen::Scene;
-pub use identity::{differences, digest_of_file, digest_of_files, files, identity};
+pub use identity::{differences, digest_of_file, digest_of_files, files, identity, identity_within};
 pub use library::{Library, Reads, Stamp};
-pub use load::{Loaded, is_scene, load, load_batch, load_in};
+pub use load::{Loaded, is_scene, load, load_batch, load_from, load_in, load_within};
 pub use needs::Needs;
 pub use pruned::Pruned;
 pub use schema::{schema, schema_of_batch};

@@ -9,6 +9,7 @@ use crate::error::{Place, Problem, Result};
 use crate::image::exr::{self, Channel, Picture, Samples};
 use crate::image::{self, Image, Range, Window};
 use crate::math::Rgb;
+use crate::trust::{Limits, Trust};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::{Xxh3, xxh3_128};
@@ -50,15 +51,16 @@ impl Reference {
     /// The one in an `.exr` or `.hdr` file, of a picture of `size`. Its variance is that of the channels `variance.R`, `.G` and `.B`, which
     /// `specula render --aov variance` writes.
     ///
-    /// Fails if it cannot be read or is of another size.
-    pub fn read(path: &Path, size: [u32; 2]) -> Result<Self> {
+    /// Fails if it cannot be read, is beyond limits or of another size.
+    pub fn read(path: &Path, size: [u32; 2], limits: Limits) -> Result<Self> {
+        let trust = Trust { limits, sandbox: None };
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
         let (decoded, variances) = if is_exr {
-            let picture = exr::read(path)?;
+            let picture = exr::read_within(path, &trust)?;
             let variances = variances(&picture);
             (picture.into_stored(path)?, variances)
         } else {
-            (image::read_as_stored(path)?, None)
+            (image::read_as_stored(path, &trust)?, None)
         };
         let refused =
             |what: String, remedy: &str| Err(Problem::at(Place::file(path), what).remedy(remedy).into());
@@ -169,11 +171,11 @@ impl Reference {
     /// The rendered one that was kept of the same thing, if it is there.
     ///
     /// Fails if there is a file that cannot be read.
-    pub fn read_kept(path: &Path, about: &Value, size: [u32; 2]) -> Result<Option<Self>> {
+    pub fn read_kept(path: &Path, about: &Value, (size, limits): ([u32; 2], Limits)) -> Result<Option<Self>> {
         if !path.exists() {
             return Ok(None);
         }
-        let picture = exr::read(path)?;
+        let picture = exr::read_within(path, &Trust { limits, sandbox: None })?;
         if picture.attribute(ABOUT) != Some(digits(about).as_str()) {
             return Ok(None);
         }
@@ -182,7 +184,7 @@ impl Reference {
         let settings = settings.map(|it| (word(&it[0]), word(&it[1]))).collect();
         let spp = about["spp"].as_u64().and_then(|spp| u32::try_from(spp).ok()).unwrap_or(0);
         let origin = Origin::Rendered { settings, spp: spp.div_ceil(PICTURES) * PICTURES };
-        Ok(Some(Self { pictures: PICTURES, origin, ..Self::read(path, size)? }))
+        Ok(Some(Self { pictures: PICTURES, origin, ..Self::read(path, size, limits)? }))
     }
 }
 
@@ -253,10 +255,11 @@ mod tests {
             },
         };
         kept.keep(&path, &about).expect("written");
-        assert_eq!(Reference::read_kept(&path, &about, [2, 1]).expect("readable"), Some(kept), "the same");
+        let size = ([2, 1], Limits::default());
+        assert_eq!(Reference::read_kept(&path, &about, size).expect("readable"), Some(kept), "the same");
         let other = json!({ "scene": "b" });
-        assert_eq!(Reference::read_kept(&path, &other, [2, 1]).expect("readable"), None, "of another scene");
-        let error = Reference::read(&path, [2, 2]).expect_err("another size").to_string();
+        assert_eq!(Reference::read_kept(&path, &other, size).expect("readable"), None, "of another scene");
+        let error = Reference::read(&path, [2, 2], Limits::default()).expect_err("another size").to_string();
         assert!(error.contains("2 by 1") && error.contains("2 by 2"), "{error}");
     }
 }

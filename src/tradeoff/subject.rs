@@ -5,8 +5,10 @@ use crate::scene::description::{Description, FuzzyBy};
 use crate::scene::{self, Built, Loaded, Needs, Scene, Wanted};
 use crate::tradeoff::design::Axis;
 use crate::tradeoff::knobs::{Facts, Knob};
+use crate::trust::Trust;
 use serde_json::{Map, Value};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A scene file that is read again and again, with other values each time. Meshes and pictures are read once, unless a value asks for
 /// more than rendering them otherwise.
@@ -14,6 +16,8 @@ use std::path::{Path, PathBuf};
 pub struct Subject {
     path: PathBuf,
     overrides: Vec<String>,
+    /// How far its files are trusted.
+    trust: Trust,
     /// As the file says, with what is replaced for all points.
     base: Description,
     needs: Needs,
@@ -25,18 +29,20 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// The scene of a file, with values replaced; and what was odd about it.
+    /// The scene of a file, trusted so far, with values replaced; and what was odd about it.
     ///
     /// Fails with all that is wrong with it.
-    pub fn read(path: &Path, overrides: &[String]) -> Result<(Self, Vec<Problem>)> {
-        let Loaded { description, mut warnings } = scene::load(path, overrides)?;
+    pub fn read(path: &Path, overrides: &[String], trust: &Trust) -> Result<(Self, Vec<Problem>)> {
+        let Loaded { description, mut warnings } = scene::load_within(path, overrides, trust)?;
         let wanted = Wanted::default();
-        let Built { scene, files, warnings: more, .. } = scene::build_for(&description, &wanted)?;
+        let built = scene::build_from(&description, &wanted, (trust, &Arc::default()))?;
+        let Built { scene, files, warnings: more, .. } = built;
         warnings.extend(more);
         let needs = Needs::of(&scene, &wanted);
         let subject = Self {
             path: path.to_owned(),
             overrides: overrides.to_vec(),
+            trust: trust.clone(),
             base: description.clone(),
             needs,
             scene,
@@ -74,7 +80,8 @@ impl Subject {
     ///
     /// Fails if a file cannot be read.
     pub fn identity(&self) -> Result<Value> {
-        scene::identity(&self.base, self.path.parent().unwrap_or(Path::new("")), &self.files)
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        scene::identity_within(&self.base, folder, &self.files, &self.trust)
     }
 
     /// What the file says of a knob's key, as a file would say it; `None` where it is left to the renderer.
@@ -101,7 +108,7 @@ impl Subject {
     pub fn described(&self, settings: &[(String, String)]) -> Result<Description> {
         let more = settings.iter().map(|(key, value)| format!("{key}={value}"));
         let overrides: Vec<String> = self.overrides.iter().cloned().chain(more).collect();
-        scene::load(&self.path, &overrides).map(|loaded| loaded.description)
+        scene::load_within(&self.path, &overrides, &self.trust).map(|loaded| loaded.description)
     }
 
     /// The scene of a description that [`Subject::described`] gave, with that seed.
@@ -112,7 +119,8 @@ impl Subject {
             self.scene.render = wanted.render.clone();
             self.scene.film = wanted.film.clone();
         } else {
-            self.scene = scene::build_for(wanted, &Wanted::default())?.scene;
+            let from = (&self.trust, &Arc::default());
+            self.scene = scene::build_from(wanted, &Wanted::default(), from)?.scene;
         }
         self.built = wanted.clone();
         self.scene.render.seed = seed;
@@ -185,7 +193,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("a.toml");
         std::fs::write(&path, SCENE).expect("written");
-        (Subject::read(&path, &["render.spp=3".to_owned()]).expect("a scene").0, folder)
+        (Subject::read(&path, &["render.spp=3".to_owned()], &Trust::default()).expect("a scene").0, folder)
     }
 
     fn set(key: &str, value: &str) -> Vec<(String, String)> {
@@ -195,11 +203,11 @@ mod tests {
     #[test]
     fn settings_change_the_scene_and_what_building_looks_at_builds_it_anew() {
         let (mut subject, _folder) = subject();
-        let world = std::sync::Arc::as_ptr(&subject.scene.world);
+        let world = Arc::as_ptr(&subject.scene.world);
         let deep = subject.described(&set("render.max_depth", "3")).expect("valid");
         let scene = subject.scene(&deep, 7).expect("a scene");
         assert_eq!((scene.render.max_depth, scene.render.seed, scene.render.spp()), (3, 7, 3), "set");
-        assert_eq!(std::sync::Arc::as_ptr(&scene.world), world, "not built again");
+        assert_eq!(Arc::as_ptr(&scene.world), world, "not built again");
         let plain = subject.described(&set("render.fresnel", "constant")).expect("valid");
         assert!(!is_built_alike(&deep, &plain), "materials are others");
         let said = subject.base.render.max_depth;

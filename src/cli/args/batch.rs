@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ValueEnum, ValueHint};
 
-use super::LogArgs;
+use super::{LogArgs, TrustArgs};
 
 /// Which pictures to render, and how many at a time.
 #[derive(Clone, Debug, clap::Args)]
@@ -57,6 +57,10 @@ pub struct BatchArgs {
     /// Threads to use in all; as many as there are processors if not given
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
+
+    /// How far files are trusted.
+    #[command(flatten)]
+    pub trust: TrustArgs,
 
     /// What is told on standard error.
     #[command(flatten)]

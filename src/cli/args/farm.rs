@@ -98,11 +98,22 @@ pub struct Farmed {
 }
 
 /// What is not passed on: each task has its own, or the job that merges has it.
-const NOT_PASSED_ON: [&str; 7] = ["scene", "output", "slice", "checkpoint", "resume", "half", "stats"];
+const NOT_PASSED_ON: [&str; 8] =
+    ["scene", "output", "slice", "checkpoint", "resume", "half", "stats", "display"];
 
 /// What `farm` refuses, and does not show therefore.
-const HIDDEN: [&str; 9] =
-    ["frames", "slice", "checkpoint", "resume", "time_limit", "target_error", "preset", "budget", "tradeoff"];
+const HIDDEN: [&str; 10] = [
+    "frames",
+    "slice",
+    "checkpoint",
+    "resume",
+    "time_limit",
+    "target_error",
+    "preset",
+    "budget",
+    "tradeoff",
+    "display",
+];
 
 impl Farmed {
     fn words_of(matches: &ArgMatches) -> Vec<OsString> {
@@ -230,6 +241,8 @@ mod tests {
             "a.b=c",
             "--log-level",
             "warn",
+            "--limits=texels=4e9,triangles=none",
+            "--sandbox",
         ]);
         let farmed = given.common.picture;
         let words = ["specula", "render", "a.toml"].into_iter().map(Into::into).chain(farmed.words);

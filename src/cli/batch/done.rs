@@ -15,6 +15,7 @@ use crate::error::Result;
 use crate::film::Precision;
 use crate::image::{Format, Window, exr};
 use crate::scene::{self, Library, Loaded};
+use crate::trust::Trust;
 
 const VERSION: &str = "specula:version";
 const HASH: &str = "specula:scene_hash";
@@ -38,14 +39,15 @@ impl Wanted {
         Ok(Self {
             hash: scene::fingerprint(&description, folder),
             settings: settings(options),
-            files: scene::digest_of_files(&description, folder, &[], library)?,
+            files: scene::digest_of_files(&description, folder, &[], (&options.trust, library))?,
         })
     }
 
     /// The metadata by which it is known again. Files are those of the scene as it was frozen: digits were taken before that.
     pub(super) fn notes(&self, frozen: &Frozen, library: &Library) -> Result<Vec<(String, String)>> {
         let folder = frozen.path.parent().unwrap_or(Path::new(""));
-        let more = scene::digest_of_files(&frozen.description, folder, &frozen.files, library)?;
+        let from = (&frozen.trust, library);
+        let more = scene::digest_of_files(&frozen.description, folder, &frozen.files, from)?;
         let mut files = self.files.clone();
         for (name, digits) in more {
             files.entry(name).or_insert(digits);
@@ -65,11 +67,11 @@ impl Wanted {
         if pictures.is_empty() {
             return Some("no output is an .exr, which would say what it is of".to_owned());
         }
-        pictures.into_iter().find_map(|path| self.differs(path, folder(options), library))
+        pictures.into_iter().find_map(|path| self.differs(path, folder(options), (&options.trust, library)))
     }
 
     /// How the picture in a file is another one.
-    fn differs(&self, path: &Path, folder: &Path, library: &Library) -> Option<String> {
+    fn differs(&self, path: &Path, folder: &Path, from: (&Trust, &Library)) -> Option<String> {
         let Ok(attributes) = exr::attributes(path) else {
             return Some(format!("`{}` cannot be read", path.display()));
         };
@@ -89,7 +91,7 @@ impl Wanted {
         for name in names {
             let now = self.files.get(name).and_then(Value::as_str).map(str::to_owned);
             // What files of the scene name is known from the picture alone.
-            let now = now.or_else(|| scene::digest_of_file(name, folder, library).ok());
+            let now = now.or_else(|| scene::digest_of_file(name, folder, from).ok());
             match (files.get(name).and_then(Value::as_str), now) {
                 (Some(then), Some(now)) if then == now => {}
                 (None, _) => return Some(format!("`{name}` is new")),

@@ -8,7 +8,7 @@ use std::time::Duration;
 use crate::cli::args::FIRST_PASS;
 use crate::cli::frames;
 use crate::cli::options::{
-    BatchOptions, Checkpoints, Output, RenderOptions, Specialise, check_target, layout, window,
+    BatchOptions, Checkpoints, Output, RenderOptions, Specialise, check_target, layout, trust_words, window,
 };
 use crate::cli::statistics::quoted;
 use crate::error::{Place, Problem, Problems, Result};
@@ -72,7 +72,7 @@ pub(super) fn all(options: &BatchOptions) -> Result<Vec<Task>> {
     let mut planner =
         Planner { options, tasks: Vec::new(), targets: HashSet::new(), folders: HashMap::new() };
     for file in &options.files {
-        if is_scene(file) {
+        if is_scene(file, options.trusted.limits()) {
             let settings = JobSettings { scene: Some(at(file, file.clone())), ..JobSettings::default() };
             planner.add(
                 (None, &settings),
@@ -82,7 +82,7 @@ pub(super) fn all(options: &BatchOptions) -> Result<Vec<Task>> {
             );
             continue;
         }
-        match load_batch(file) {
+        match load_batch(file, options.trusted.limits()) {
             Ok(Batch { defaults, jobs }) => {
                 let folder = file.parent().unwrap_or(Path::new(""));
                 for job in jobs {
@@ -136,7 +136,8 @@ impl Planner<'_> {
         let Some(template) = self.template((own, defaults), &scene.value, &overrides, problems) else {
             return;
         };
-        let words = words((own, defaults), &relative(&scene.value, folder), &overrides);
+        let trust = trust_words(&template.trust);
+        let words = words((own, defaults), &relative(&scene.value, folder), (&overrides, trust));
         let shown = outputs.iter().map(|(path, _)| relative(path, folder)).collect();
         let job = Arc::new(JobOf { name, folder: folder.to_owned(), overrides, words, outputs: shown });
         let numbers =
@@ -240,6 +241,8 @@ impl Planner<'_> {
                 Precision::Float
             },
             stats: None,
+            trust: self.options.trusted.of(scene),
+            display: None,
         })
     }
 
@@ -305,7 +308,7 @@ fn relative(path: &Path, folder: &Path) -> PathBuf {
 fn words(
     (own, defaults): (&JobSettings, &JobSettings),
     scene: &Path,
-    overrides: &[Located<String>],
+    (overrides, trust): (&[Located<String>], Vec<String>),
 ) -> Vec<String> {
     let mut words = vec!["specula".to_owned(), "render".to_owned(), quoted(&scene.to_string_lossy())];
     for text in overrides {
@@ -323,5 +326,6 @@ fn words(
     let time = own.time_limit_s.or(defaults.time_limit_s);
     words.extend(time.map(|seconds| format!("--time-limit={seconds}s")));
     words.extend(own.target_error.or(defaults.target_error).map(|error| format!("--target-error={error}")));
+    words.extend(trust);
     words
 }

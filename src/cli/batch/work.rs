@@ -196,7 +196,7 @@ fn read<'a>(task: &Task, last: &'a mut Option<(Sources, Loaded)>) -> Result<&'a 
     let entry = match known {
         Some(entry) => entry,
         None => {
-            let loaded = scene::load_in(scene, overrides, folder)?;
+            let loaded = scene::load_from(scene, (overrides, folder), &options.trust)?;
             ((scene.clone(), overrides.clone(), folder.clone()), loaded)
         }
     };

@@ -7,11 +7,12 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::cli::frozen::Frozen;
 use crate::cli::kept;
-use crate::cli::options::FarmOptions;
+use crate::cli::options::{FarmOptions, trust_words};
 use crate::error::Result;
 use crate::image::Window;
 use crate::render::{self, Outline, PartFile, Settings, Slice};
 use crate::scene::description::FuzzyBy;
+use crate::trust::Trust;
 
 /// A picture in slices.
 #[derive(Debug)]
@@ -36,8 +37,8 @@ impl<'a> Job<'a> {
     /// The picture of these options. Reads the scene with all that it names, so that what cannot be rendered or cut is known
     /// before anything is queued.
     pub(super) fn new(options: &'a FarmOptions) -> Result<Self> {
-        let frozen =
-            Frozen::told(&options.picture.scene, &options.picture.overrides, options.picture.wanted())?;
+        let picture = &options.picture;
+        let frozen = Frozen::told(&picture.scene, &picture.overrides, picture.wanted(), &picture.trust)?;
         let scene = &frozen.scene;
         let of = options.slices.unwrap_or_else(|| SLICES.min(scene.render.spp()));
         let settings = |index: u32| Settings {
@@ -70,6 +71,12 @@ impl<'a> Job<'a> {
     fn is_there(&self, slice: u32, outline: &Outline, about: &serde_json::Value) -> bool {
         let Ok((file, length)) = kept::open(&self.part(slice)) else { return false };
         PartFile::open(file, length).is_ok_and(|part| part.outline() == outline && part.about() == about)
+    }
+
+    /// The word for the merge that says what parts may ask for, where that is not as usual.
+    pub(super) fn limits(&self) -> Option<String> {
+        let limits = self.options.picture.trust.limits;
+        trust_words(&Trust { limits, sandbox: None }).pop()
     }
 
     /// The names of the parts, up to the number of the slice.

@@ -122,6 +122,7 @@ fn template(job: &Job<'_>) -> Result<(Value, Value)> {
         merge.push(format!("--stats={}", parameters.path("Statistics", path, ("FILE", "OUT"))?));
     }
     merge.extend(farm.half.then(|| "--half".to_owned()));
+    merge.extend(job.limits());
     let mut words = Vec::new();
     for (i, word) in farm.words.iter().enumerate() {
         words.push(parameters.word(&format!("Flag{}", i + 1), word)?);

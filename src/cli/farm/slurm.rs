@@ -4,6 +4,8 @@
 //! are queued from the directory of the farm, so that logs have names without directories: Slurm has its own rules for quotes in
 //! names, and none for newlines.
 
+use std::ffi::OsString;
+
 use super::job::{CHECKPOINT, Job};
 use super::shell::Script;
 use super::{Written, flag};
@@ -110,6 +112,7 @@ set -eu",
     words.extend(farm.outputs.iter().map(|path| flag("output", path)));
     words.extend(farm.stats.iter().map(|path| flag("stats", path)));
     words.extend(farm.half.then(|| "--half".into()));
+    words.extend(job.limits().map(OsString::from));
     Script::default()
         .lines(head)
         .command("cd --", [farm.folder.as_os_str()])

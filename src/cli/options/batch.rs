@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{frames, given, threads, time};
+use super::{Trusted, frames, given, threads, time};
 use crate::cli::args::BatchArgs;
 use crate::error::{Problems, Result};
 use crate::scene::description::Frames;
@@ -27,6 +27,8 @@ pub(in crate::cli) struct BatchOptions {
     pub(in crate::cli) dry_run: bool,
     pub(in crate::cli) json: bool,
     pub(in crate::cli) threads: Option<NonZeroUsize>,
+    /// How far the files of scenes are trusted.
+    pub(in crate::cli) trusted: Trusted,
 }
 
 impl BatchOptions {
@@ -50,6 +52,7 @@ impl BatchOptions {
             dry_run: args.dry_run,
             json: args.json,
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            trusted: Trusted::new(&args.trust, &mut problems),
         };
         problems.into_result(options)
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::trust::Trusted;
 use super::{check_target, is_same, on_command_line, spare, threads, twice, whole};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
@@ -19,6 +20,8 @@ pub(in crate::cli) struct BenchOptions {
     pub(in crate::cli) report: Option<PathBuf>,
     pub(in crate::cli) record: Option<PathBuf>,
     pub(in crate::cli) replay: Option<PathBuf>,
+    /// How far the files of scenes are trusted.
+    pub(in crate::cli) trusted: Trusted,
 }
 
 /// Most rays of a class: more would not fit into the memory of most machines in all forms.
@@ -51,6 +54,7 @@ impl BenchOptions {
             threads: all.map_or(1, std::num::NonZero::get),
         };
         check_files(args, &mut problems);
+        let trusted = Trusted::new(&args.trust, &mut problems);
         problems.into_result(Self {
             scenes: args.scenes.clone(),
             overrides: args.overrides.clone(),
@@ -59,6 +63,7 @@ impl BenchOptions {
             report: args.report.clone(),
             record: args.record.clone(),
             replay: args.replay.clone(),
+            trusted,
         })
     }
 }

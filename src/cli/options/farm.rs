@@ -150,6 +150,12 @@ fn refuse(args: &RenderArgs, problems: &mut Problems) {
         ),
         (args.slice.is_some(), "--slice", own, "say how many by --slices N"),
         (args.checkpoint.is_some(), "--checkpoint", own, "leave it out; --checkpoint-every says how often"),
+        (
+            args.display.is_some(),
+            "--display",
+            "its slices are rendered apart, and none of them is the picture",
+            "leave it out",
+        ),
         (args.resume, "--resume", "tasks always go on from their checkpoints", "leave it out"),
         (
             args.aov.iter().any(|name| name == FIRST_PASS),

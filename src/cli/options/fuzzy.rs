@@ -3,10 +3,12 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use super::trust::limits;
 use super::{Output, check_input, on_command_line, outputs, threads, with_extension};
 use crate::cli::args::FuzzyArgs;
 use crate::error::{Problems, Result};
 use crate::post::exponent_of_roughness;
+use crate::trust::Limits;
 
 /// What `fuzzy` is to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,6 +20,8 @@ pub(in crate::cli) struct FuzzyOptions {
     /// Knobs of the filter, `key=value`.
     pub(in crate::cli) settings: Vec<String>,
     pub(in crate::cli) threads: Option<NonZeroUsize>,
+    /// What the first pass may ask for.
+    pub(in crate::cli) limits: Limits,
 }
 
 impl FuzzyOptions {
@@ -41,6 +45,7 @@ impl FuzzyOptions {
             exponent: exponent.or(roughness.map(exponent_of_roughness)),
             settings: settings(args),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            limits: limits(&args.limits, &mut problems),
         };
         problems.into_result(options)
     }

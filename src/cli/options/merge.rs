@@ -2,11 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::trust::limits;
 use super::{Output, check_target, crop, is_same, outputs, spare, twice};
 use crate::cli::args::MergeArgs;
 use crate::error::{Problems, Result};
 use crate::film::Precision;
 use crate::image::Window;
+use crate::trust::Limits;
 
 /// What `merge` is to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +18,8 @@ pub(in crate::cli) struct MergeOptions {
     pub(in crate::cli) crop: Option<Window>,
     pub(in crate::cli) precision: Precision,
     pub(in crate::cli) stats: Option<PathBuf>,
+    /// What the parts may ask for.
+    pub(in crate::cli) limits: Limits,
 }
 
 impl MergeOptions {
@@ -38,6 +42,7 @@ impl MergeOptions {
             crop: args.crop.as_deref().and_then(|text| crop(text, &mut problems)),
             precision: if args.half { Precision::Half } else { Precision::Float },
             stats: args.stats.clone(),
+            limits: limits(&args.limits, &mut problems),
         };
         problems.into_result(options)
     }

@@ -4,13 +4,15 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use super::{
-    check_input, check_target, given, is_same, on_command_line, spare, target_error, threads, twice, whole,
+    Trusted, check_input, check_target, given, is_same, on_command_line, spare, target_error, threads, twice,
+    whole,
 };
 use crate::cli::args::TradeoffArgs;
 use crate::error::{Problem, Problems, Result};
 use crate::scene::load::words::suggest;
 use crate::tradeoff::design::Design;
 use crate::tradeoff::knobs::Knob;
+use crate::trust::Trust;
 
 /// What `tradeoff` is to do.
 #[derive(Clone, Debug)]
@@ -32,6 +34,8 @@ pub(in crate::cli) struct TradeoffOptions {
     /// Where runs are kept, and whether to go on from those that are there.
     pub(in crate::cli) keep: Option<(PathBuf, bool)>,
     pub(in crate::cli) threads: Option<NonZeroUsize>,
+    /// How far the files of the scene are trusted.
+    pub(in crate::cli) trust: Trust,
 }
 
 /// What points are compared with.
@@ -88,6 +92,7 @@ impl TradeoffOptions {
                 .map(|path| (path, false))
                 .or(args.resume.clone().map(|path| (path, true))),
             threads: args.threads.as_deref().and_then(|text| threads(text, &mut problems)),
+            trust: Trusted::new(&args.trust, &mut problems).of(&args.scene),
         };
         problems.into_result(options)
     }

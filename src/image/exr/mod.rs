@@ -10,7 +10,7 @@ mod write;
 
 use std::path::Path;
 
-pub use read::{ChannelInfo, attributes, channels, read};
+pub use read::{ChannelInfo, attributes, channels, decode, read, read_within};
 pub use write::write;
 
 use super::buffer::Repairs;

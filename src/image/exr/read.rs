@@ -1,7 +1,7 @@
 //! Reading.
 
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read as _};
+use std::io::{BufReader, Cursor};
 use std::path::Path;
 
 use exr::image::read::read as reader;
@@ -13,28 +13,37 @@ use exr::prelude::{ReadChannels as _, ReadLayers as _};
 
 use super::{Channel, Picture, Samples};
 use crate::error::{Error, Place, Problem, Result};
-use crate::image::Window;
 use crate::image::buffer::check_size;
+use crate::image::{Window, files};
+use crate::trust::{Limit, Limits, Trust};
 
-/// Most bytes that the samples of a file may take: enough for the largest picture with four float channels.
-const MAX_BYTES: u64 = 1 << 32;
+/// Bytes that the samples of a file may take for each pixel that a picture may have: four float channels of the largest.
+const BYTES_PER_TEXEL: u64 = 16;
 
 /// No compression of the format packs tighter than this (deflate stays below 1032:1), so a file of a few bytes that
 /// claims gigabytes is refused before they are allocated.
 const MAX_RATIO: u64 = 4096;
 
-/// All flat parts of an EXR file that share the first part's window.
+/// Bytes of samples that are decoded before threads have started.
+const FEW_BYTES: u64 = 1 << 22;
+
+/// All flat parts of an EXR file that share the first part's window, within the usual limits.
 pub fn read(path: &Path) -> Result<Picture> {
-    let bytes = contents(path)?;
-    check(path, &headers(path, &bytes)?, bytes.len() as u64)?;
-    let file = reader()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .all_layers()
-        .all_attributes()
-        .from_buffered(Cursor::new(&bytes))
-        .map_err(|e| refused(path, &e))?;
+    read_within(path, &Trust::default())
+}
+
+/// The same of a file that is trusted so far.
+pub fn read_within(path: &Path, trust: &Trust) -> Result<Picture> {
+    decode(&trust.read(path, files::UNREAD)?, path, &trust.limits)
+}
+
+/// The same of the bytes of a file; `path` is for messages.
+pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
+    let claimed = check((bytes, path), &headers(path, bytes)?, limits)?;
+    let reader =
+        reader().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
+    let reader = if claimed < FEW_BYTES { reader.non_parallel() } else { reader };
+    let file = reader.from_buffered(Cursor::new(bytes)).map_err(|e| refused(path, &e))?;
     let mut warnings = Vec::new();
     let mut layers = file.layer_data.into_iter();
     let Some(first) = layers.next() else {
@@ -72,7 +81,7 @@ pub struct ChannelInfo {
 
 /// The channels of an EXR file, read from its header alone.
 pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
-    let headers = headers(path, &contents(path)?)?;
+    let headers = headers(path, &Trust::default().read(path, files::UNREAD)?)?;
     let infos = headers.iter().flat_map(|header| {
         header.channels.list.iter().map(|channel| ChannelInfo {
             part: header.own_attributes.layer_name.as_ref().map(ToString::to_string),
@@ -86,17 +95,10 @@ pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
 
 /// The metadata of an EXR file that are text, read from its header alone.
 pub fn attributes(path: &Path) -> Result<Vec<(String, String)>> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
+    let io = |source| Error::Io { path: path.to_owned(), what: files::UNREAD, source };
     let file = BufReader::new(File::open(path).map_err(io)?);
     let meta = MetaData::read_from_buffered(file, false).map_err(|e| refused(path, &e))?;
     Ok(meta.headers.first().map(|header| texts_of(&header.own_attributes)).unwrap_or_default())
-}
-
-fn contents(path: &Path) -> Result<Vec<u8>> {
-    let io = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };
-    let mut bytes = Vec::new();
-    BufReader::new(File::open(path).map_err(io)?).read_to_end(&mut bytes).map_err(io)?;
-    Ok(bytes)
 }
 
 fn headers(path: &Path, bytes: &[u8]) -> Result<Vec<Header>> {
@@ -104,8 +106,8 @@ fn headers(path: &Path, bytes: &[u8]) -> Result<Vec<Header>> {
     Ok(meta.headers.into_vec())
 }
 
-/// Refuses what cannot be read, and what claims more than its bytes can hold.
-fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<()> {
+/// How many bytes samples take. Refuses what cannot be read, and what claims more than its bytes can hold.
+fn check((bytes, path): (&[u8], &Path), headers: &[Header], limits: &Limits) -> Result<u64> {
     let refuse = |what: &str, remedy: &str| Err(Problem::at(Place::file(path), what).remedy(remedy).into());
     let mut claimed = 0_u64;
     for header in headers {
@@ -117,17 +119,18 @@ fn check(path: &Path, headers: &[Header], file_bytes: u64) -> Result<()> {
             return refuse("a picture with subsampled channels", "write it as R, G and B");
         }
         let (width, height) = (header.layer_size.0 as u64, header.layer_size.1 as u64);
-        check_size(path, width, height)?;
+        check_size(path, [width, height], limits)?;
         let pixel: u64 = channels.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
         claimed = claimed.saturating_add((width * height).saturating_mul(pixel));
     }
-    if claimed > MAX_BYTES {
-        return refuse("its samples take more than 4 GiB", "write fewer channels or pixels");
-    }
-    if claimed / MAX_RATIO > file_bytes {
+    limits.check(Limit::Texels, claimed / BYTES_PER_TEXEL).map_err(|excess| {
+        let what = format!("its samples take {claimed} bytes, as many as four channels of {excess}");
+        Error::Refused(Problem::at(Place::file(path), what).remedy(excess.remedy()))
+    })?;
+    if claimed / MAX_RATIO > bytes.len() as u64 {
         return refuse("its header claims more pixels than its bytes can hold", "write it again");
     }
-    Ok(())
+    Ok(claimed)
 }
 
 /// Whole size and window of a data window in a display window. Data beyond the display window enlarge the whole; where

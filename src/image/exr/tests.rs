@@ -4,6 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
+use crate::trust::Trust;
 
 /// A crop of three by two pixels at (4, 5) of ten by eight, with a channel of each kind.
 fn small() -> Picture {
@@ -76,7 +77,7 @@ fn numbers_that_are_not_finite_stay_out_of_colour() {
     let colour = crate::image::read(&path).expect("read");
     let reds: Vec<_> = colour.image.pixels().iter().map(|p| p.r).collect();
     assert_eq!(reds, [0.0, 65504.0, -65504.0, 0.3, 0.0, 0.0], "replaced");
-    let stored = crate::image::read_as_stored(&path).expect("read");
+    let stored = crate::image::read_as_stored(&path, &Trust::default()).expect("read");
     let bits: Vec<_> = stored.image.pixels().iter().map(|p| p.r.to_bits()).collect();
     let wanted = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 0.3, f32::NAN, 0.0].map(f32::to_bits);
     assert!(bits == wanted && stored.warnings.is_empty(), "as stored: {bits:x?}");

@@ -14,6 +14,7 @@ use crate::scene::build::{Builder, forms, number, steps, unit, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::scene::library::{self, Made};
 use crate::texture::Texture;
+use crate::trust::Limit;
 use glam::{DAffine3, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -128,14 +129,21 @@ impl Builder {
         let environment = match sky {
             Sky::Constant { radiance } => Environment::Constant(radiance.scale(scale)),
             Sky::File { file } => {
+                if !self.may_read(1, &file.place) {
+                    return;
+                }
                 let form = library::Form::Sky(scale.to_bits(), rotation.to_bits());
-                let sky = self.library.clone().thing(&file.value, form, || {
-                    let decoded = image::read(&file.value)?;
+                let (library, trust) = (self.library.clone(), &self.trust);
+                let sky = library.thing(&file.value, form, trust, || {
+                    let decoded = image::read_within(&file.value, trust)?;
+                    let texels = decoded.image.pixels().len() as u64;
                     let map = EnvironmentMap::new(decoded.image, scale, rotation).map_err(|error| {
                         let what = format!("{}: cannot light a scene: {error}", file.value.display());
                         Problem::at(file.place.clone(), what)
                     })?;
-                    Ok(Made { bytes: map.bytes(), thing: (Arc::new(map), decoded.warnings), more: vec![] })
+                    let takes = (Limit::Texels, texels);
+                    let bytes = map.bytes();
+                    Ok(Made { bytes, thing: (Arc::new(map), decoded.warnings), takes, more: vec![] })
                 });
                 match sky {
                     Ok(sky) => {

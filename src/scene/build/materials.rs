@@ -10,7 +10,7 @@ use crate::scene::build::pruning::UNUSED;
 use crate::scene::description::{self, MixPart, Named, Optics, PerTangent, Roughness};
 use crate::scene::pruned::Ineffective;
 use crate::texture::Texture;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// Indices of refraction for which Schlick's polynomial is within 0.06.
 const SCHLICK_IS_CLOSE: std::ops::RangeInclusive<f32> = 1.3..=2.2;
@@ -26,9 +26,14 @@ impl Builder {
             |named: &Named<_>| referenced.is_none_or(|referenced| referenced.contains(named.name.as_str()));
         let plain: Vec<Option<Material>> =
             materials.iter().map(|named| if is_used(named) { self.plain(named) } else { None }).collect();
-        for (named, own) in materials.iter().zip(plain.iter().cloned()) {
+        let by_name: HashMap<&str, &Material> = materials
+            .iter()
+            .zip(&plain)
+            .filter_map(|(named, own)| Some((named.name.as_str(), own.as_ref()?)))
+            .collect();
+        for (named, own) in materials.iter().zip(&plain) {
             let material = if is_used(named) {
-                own.unwrap_or_else(|| self.placed_at(named, |own| own.mix(named, materials, &plain)))
+                own.clone().unwrap_or_else(|| self.placed_at(named, |own| own.mix(named, &by_name)))
             } else {
                 self.prune(Ineffective::Material, format!("`{}`", named.name), Some(&named.place));
                 // A slip in it is one all the same.
@@ -64,19 +69,13 @@ impl Builder {
         Some(self.placed_at(named, |own| own.material(&named.value)))
     }
 
-    fn mix(
-        &mut self,
-        named: &Named<description::Material>,
-        materials: &[Named<description::Material>],
-        plain: &[Option<Material>],
-    ) -> Material {
+    fn mix(&mut self, named: &Named<description::Material>, plain: &HashMap<&str, &Material>) -> Material {
         let description::Scattering::Mix { parts } = &named.value.scattering else {
             return self.material(&named.value);
         };
         let mut layers = Vec::new();
         for MixPart { material, weight } in parts {
-            let found = materials.iter().position(|other| other.name == material.value);
-            match found.and_then(|index| plain[index].as_ref()) {
+            match plain.get(material.value.as_str()) {
                 Some(part) if part.emission.is_none() && weight.is_black() && self.prunes => {
                     let what = format!("`{}` has a weight of zero", material.value);
                     self.prune(Ineffective::Lobe, what, Some(&material.place));

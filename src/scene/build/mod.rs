@@ -38,6 +38,7 @@ use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::scene::needs::count::{self, Places};
 use crate::scene::pruned::{Ineffective, Pruned};
 use crate::scene::{Scene, Wanted};
+use crate::trust::{Excess, Limit, Trust};
 use glam::{DVec3, Vec3};
 use origin::Origin;
 use pruning::Meshes;
@@ -64,26 +65,36 @@ pub struct Built {
     pub unread: Vec<Problem>,
 }
 
-/// Reads the files that `description` names and freezes the scene, for whatever may be asked of it. Fails with all problems of all
-/// files.
+/// Reads the files that `description` names, trusted within the usual limits, and freezes the scene, for whatever may be asked of it.
+/// Fails with all problems of all files.
 pub fn build(description: &Description) -> Result<Built> {
     build_for(description, &Wanted::anything())
+}
+
+/// The same of files that are trusted so far.
+pub fn build_within(description: &Description, trust: &Trust) -> Result<Built> {
+    build_from(description, &Wanted::anything(), (trust, &Arc::default()))
 }
 
 /// As [`build`], for what is wanted: what that does not need is left out. Files of materials that nothing is made of are then not
 /// read, so faults in these are not found.
 pub fn build_for(description: &Description, wanted: &Wanted) -> Result<Built> {
-    build_from(description, wanted, &Arc::default())
+    build_from(description, wanted, (&Trust::default(), &Arc::default()))
 }
 
-/// The same, with what a library has of its files.
-pub fn build_from(description: &Description, wanted: &Wanted, library: &Arc<Library>) -> Result<Built> {
+/// The same of files that are trusted so far, with what a library has of them.
+pub fn build_from(
+    description: &Description,
+    wanted: &Wanted,
+    (trust, library): (&Trust, &Arc<Library>),
+) -> Result<Built> {
     let shutter = camera::shutter(&description.camera);
     let fresnel = description.render.fresnel;
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
-    let (prunes, library) = (wanted.prunes, library.clone());
-    let mut builder = Builder { library, shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
+    let (prunes, library, trust) = (wanted.prunes, library.clone(), trust.clone());
+    let mut builder =
+        Builder { library, trust, shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
     let referenced = prunes.then(|| pruning::referenced(description));
     builder.add_materials(&description.materials, referenced.as_ref());
     builder.add_shapes(&description.shapes);
@@ -158,6 +169,12 @@ struct Builder {
     textures: Textures,
     /// Files of materials.
     files: Vec<PathBuf>,
+    /// How far files are trusted.
+    trust: Trust,
+    /// What they have asked for so far.
+    taken: Taken,
+    /// Of what it was told that it is too much.
+    told: [bool; Limit::ALL.len()],
     problems: Problems,
     warnings: Vec<Problem>,
     /// Whether what has no effect is left out.
@@ -167,7 +184,36 @@ struct Builder {
     unread: Vec<Problem>,
 }
 
+/// What the files of a scene ask for together.
+#[derive(Debug, Default)]
+struct Taken {
+    files: u64,
+    triangles: u64,
+    texels: u64,
+}
+
 impl Builder {
+    /// Counts files that are read; reports those that are too many, which are not to be read.
+    fn may_read(&mut self, files: usize, place: &Place) -> bool {
+        self.taken.files += files as u64;
+        self.may_take(Limit::Files, self.taken.files, place)
+    }
+
+    /// Counts the triangles of a mesh; reports those that are too many, whose mesh is to be dropped.
+    fn may_hold(&mut self, triangles: usize, place: &Place) -> bool {
+        self.taken.triangles += triangles as u64;
+        self.may_take(Limit::Triangles, self.taken.triangles, place)
+    }
+
+    /// Whether the scene may have so much of something; reported at a place, once, where not.
+    fn may_take(&mut self, limit: Limit, taken: u64, place: &Place) -> bool {
+        let Err(excess) = self.trust.limits.check(limit, taken) else { return true };
+        if !std::mem::replace(&mut self.told[limit as usize], true) {
+            self.problems.push(too_much(&excess, place));
+        }
+        false
+    }
+
     fn add_material(&mut self, name: String, material: Material) -> MaterialId {
         let id = MaterialId(number(self.materials.len()));
         self.names.materials.push(name);
@@ -204,6 +250,12 @@ impl Builder {
         self.origins.push(origin.clone());
         self.world.place(shape, pose)
     }
+}
+
+/// That the files of a scene ask for too much, known at the place of one of them.
+fn too_much(excess: &Excess, place: &Place) -> Problem {
+    let what = format!("with this the scene has {excess}");
+    Problem::at(place.clone(), what).remedy(excess.remedy())
 }
 
 /// The direction of a vector of any length but zero. Single precision does not hold the squares of long and short ones, and

@@ -9,9 +9,10 @@ use crate::scene::build::way::{Placed, Way};
 use crate::scene::build::{Builder, forms, lights, steps, unit};
 use crate::scene::description::{self, Form, Located};
 use crate::scene::library::{self, Made};
-use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_about};
+use crate::scene::load::{About, LoadedMesh, Shading, load_mesh_within};
 use crate::scene::pruned::Ineffective;
 use crate::scene::track::Track;
+use crate::trust::Limit;
 use glam::{DAffine3, DVec3, Vec2};
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -241,17 +242,30 @@ impl Builder {
         let about = if is_moved { About::Middle } else { About::Needed };
         let path = canonical(&file.value);
         if let Some(known) = self.meshes.known(&path, shading, about).filter(|_| self.prunes) {
+            // Where it is carried to its place its arrays are copied.
+            if !self.may_hold(known.mesh.triangles().len(), &file.place) {
+                return None;
+            }
             self.prune_mesh(file, &known.mesh);
             return Some(known);
         }
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
         let form = library::Form::Mesh(shading.normals, shading.crease_deg.to_bits(), is_moved);
-        let library = self.library.clone();
-        let loaded = library.thing(&file.value, form, || {
-            let thing = load_mesh_about(&file.value, shading, about)?;
-            Ok(Made { bytes: thing.mesh.bytes(), more: thing.libraries.clone(), thing })
+        let (library, trust) = (self.library.clone(), &self.trust);
+        let loaded = library.thing(&file.value, form, trust, || {
+            let thing = load_mesh_within(&file.value, shading, about, trust)?;
+            let takes = (Limit::Triangles, thing.mesh.triangles().len() as u64);
+            Ok(Made { bytes: thing.mesh.bytes(), takes, more: thing.libraries.clone(), thing })
         });
         match loaded {
             Ok(mut loaded) => {
+                let may = self.may_read(loaded.libraries.len(), &file.place)
+                    && self.may_hold(loaded.mesh.triangles().len(), &file.place);
+                if !may {
+                    return None;
+                }
                 self.warnings.extend(loaded.warnings.iter().cloned());
                 self.files.extend(loaded.libraries.iter().cloned());
                 if self.prunes && self.meshes.note((path, shading, about), &mut loaded) {

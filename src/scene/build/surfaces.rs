@@ -6,6 +6,7 @@ use crate::image;
 use crate::scene::build::Builder;
 use crate::scene::description::{Form, HeightNormals, Located};
 use crate::scene::library::{self, Made};
+use crate::trust::Limit;
 use glam::{DVec3, Vec2};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -38,6 +39,10 @@ impl Builder {
     pub(super) fn height_field(&mut self, form: &Form, origin: DVec3, place: &Place) -> Option<Shape> {
         let Form::HeightField { file, center, size, height, normals } = form else { return None };
         let field = self.heights_of_file(file, *height)?;
+        let [columns, rows] = field.counts().map(|count| count as usize - 1);
+        if !self.may_hold(2 * columns * rows, &file.place) {
+            return None;
+        }
         let smooth = *normals == HeightNormals::Smooth;
         self.mesh_of(field.mesh((*center - origin).as_vec3(), Vec2::from(*size), smooth), place)
     }
@@ -55,9 +60,14 @@ impl Builder {
     }
 
     fn heights_of_file(&mut self, file: &Located<PathBuf>, [black, white]: [f32; 2]) -> Option<HeightField> {
-        let picture = self.library.clone().thing(&file.value, library::Form::Heights, || {
-            let thing = image::read_gray(&file.value)?;
-            Ok(Made { bytes: size_of_val(&thing.values[..]), thing, more: vec![] })
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
+        let (library, trust) = (self.library.clone(), &self.trust);
+        let picture = library.thing(&file.value, library::Form::Heights, trust, || {
+            let thing = image::read_gray_within(&file.value, trust)?;
+            let takes = (Limit::Texels, thing.values.len() as u64);
+            Ok(Made { bytes: size_of_val(&thing.values[..]), takes, thing, more: vec![] })
         });
         let picture = match picture {
             Ok(picture) => picture,

@@ -4,13 +4,14 @@
 //! whole, polished, dark. Only its colour is a gray of its own, lest the lack go unseen.
 
 use crate::error::{Error, Problem};
-use crate::image::read_raster;
+use crate::image::read_raster_within;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
 use crate::scene::library::{self, Made};
 use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
+use crate::trust::Limit;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -175,21 +176,41 @@ impl Builder {
     }
 
     fn read(&mut self, file: &Located<PathBuf>, space: Option<Space>, without: &str) -> Option<Arc<Bitmap>> {
+        // Of what lies where it must not nothing is told, not even whether it is there.
+        if let Some((what, remedy)) = self.trust.outside(&file.value) {
+            self.problems.push(Problem::at(file.place.clone(), what).remedy(remedy));
+            return None;
+        }
         if let Some((what, remedy)) = files::absence(&file.value) {
             self.warn(file, what, format!("{remedy}; {without}"));
             return None;
         }
-        let read = self.library.clone().thing(&file.value, library::Form::Bitmap(space), || {
-            let raster = read_raster(&file.value)?;
+        if !self.may_read(1, &file.place) {
+            return None;
+        }
+        let (library, trust) = (self.library.clone(), &self.trust);
+        let read = library.thing(&file.value, library::Form::Bitmap(space), trust, || {
+            let raster = read_raster_within(&file.value, trust)?;
             let own = if raster.encoded { Space::Srgb } else { Space::Linear };
             let bitmap = Bitmap::new(&raster, space.unwrap_or(own));
-            Ok(Made { bytes: bitmap.bytes(), thing: (Arc::new(bitmap), raster.warnings), more: vec![] })
+            let takes = (Limit::Texels, u64::from(raster.width) * u64::from(raster.height));
+            let bytes = bitmap.bytes();
+            Ok(Made { bytes, thing: (Arc::new(bitmap), raster.warnings, takes.1), takes, more: vec![] })
         });
         match read {
             Ok(read) => {
-                let (bitmap, warnings) = &*read;
+                let (bitmap, warnings, texels) = &*read;
+                self.taken.texels += texels;
+                if !self.may_take(Limit::Textures, self.taken.texels, &file.place) {
+                    return None;
+                }
                 self.warnings.extend(warnings.iter().cloned());
                 Some(bitmap.clone())
+            }
+            // Right or wrong, it is not what the surface can do without.
+            Err(error @ Error::Refused(_)) => {
+                self.problems.push(Problem::at(file.place.clone(), error.to_string()));
+                None
             }
             Err(Error::Input(problems)) => {
                 self.warn(file, problems.to_string(), without.to_owned());

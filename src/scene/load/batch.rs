@@ -7,25 +7,23 @@ use crate::scene::load::merge::read_alone;
 use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::record::{Rules, Value as _};
+use crate::trust::Limits;
 use std::path::Path;
 use toml::Value;
 
-/// What the batch file at `path` says. Fails with everything that is wrong with it.
-pub fn load_batch(path: &Path) -> Result<Batch> {
+/// What the batch file at `path` says, within limits. Fails with everything that is wrong with it.
+pub fn load_batch(path: &Path, limits: Limits) -> Result<Batch> {
     let mut report = Report::default();
-    let tree = read_alone(path, None, 0, &mut report);
+    let tree = read_alone(path, limits, &mut report);
     let batch = tree.and_then(|tree| Batch::decode(&tree, "batch", &Rules::default(), &mut report));
     report.into_result(batch)
 }
 
-/// Whether a file is a scene file rather than a batch file, by its tables; a file that is no TOML is not.
+/// Whether a file is a scene file rather than a batch file, by its tables; a file that is no TOML, or beyond limits, is not.
 #[must_use]
-pub fn is_scene(path: &Path) -> bool {
-    let Some(table) = std::fs::read_to_string(path).ok().and_then(|text| text.parse::<toml::Table>().ok())
-    else {
-        return false;
-    };
-    let has = |names: &[&str]| names.iter().any(|name| table.contains_key(*name));
+pub fn is_scene(path: &Path, limits: Limits) -> bool {
+    let Some(tree) = read_alone(path, limits, &mut Report::default()) else { return false };
+    let has = |names: &[&str]| names.iter().any(|name| tree.get(name).is_some());
     has(&["include", "camera", "film", "render", "materials", "shapes", "lights"])
         && !has(&["jobs", "defaults"])
 }
@@ -108,7 +106,7 @@ mod tests {
         let path = folder.path().join("batch.toml");
         std::fs::write(&path, text).expect("written");
         let folder = format!("{}/", folder.path().display());
-        load_batch(&path).map_err(|error| error.to_string().replace(&folder, ""))
+        load_batch(&path, Limits::default()).map_err(|error| error.to_string().replace(&folder, ""))
     }
 
     fn overrides(text: &str) -> Vec<String> {

@@ -1,17 +1,19 @@
 //! Files that scenes name.
 
 use crate::scene::load::words;
+use crate::trust::Trust;
 use std::path::Path;
 
-/// What is wrong with a file that is to be read, and what to do about it; `None` if it is there and its extension is
-/// one of `extensions`, if any are given.
-pub(crate) fn fault(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
-    directory(path).or_else(|| absence(path)).or_else(|| unknown(path, extensions))
+/// What is wrong with a file that is to be read, and what to do about it; `None` if it lies where it may, is there and its extension is
+/// one of `extensions`, if any are given. Of files elsewhere nothing is told, not even whether they are there.
+pub(crate) fn fault(path: &Path, extensions: &[&str], trust: &Trust) -> Option<(String, String)> {
+    let there = || directory(path).or_else(|| absence(path)).or_else(|| unknown(path, extensions));
+    trust.outside(path).or_else(there)
 }
 
 /// The same of a file that may be missing: whoever reads it makes up for it, and tells.
-pub(crate) fn fault_if_there(path: &Path, extensions: &[&str]) -> Option<(String, String)> {
-    directory(path).or_else(|| unknown(path, extensions))
+pub(crate) fn fault_if_there(path: &Path, extensions: &[&str], trust: &Trust) -> Option<(String, String)> {
+    trust.outside(path).or_else(|| directory(path)).or_else(|| unknown(path, extensions))
 }
 
 fn directory(path: &Path) -> Option<(String, String)> {

@@ -1,20 +1,27 @@
 //! From files that include each other to one tree.
 
+use crate::error::{Error, Place};
 use crate::scene::description::Located;
 use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
 use crate::scene::load::{files, words};
 use crate::scene::record::{Rules, Value};
+use crate::trust::{Excess, Limit, Limits, Trust};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// How deep files may include each other: more is an accident, and bounds the recursion.
-const MAX_DEPTH: usize = 32;
+/// How deep files may include each other whatever limits say: more might be too much for the stack.
+const DEEPEST: u64 = 1000;
 
 /// Reads files, each once.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Reader {
+    /// How far they are trusted.
+    trust: Arc<Trust>,
+    /// Bytes read so far.
+    bytes: u64,
     /// Files that are being read, outermost first, with where their includes stand.
     open: Vec<(PathBuf, Option<Spot>)>,
     /// Files that were read.
@@ -24,6 +31,11 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
+    /// Has read nothing yet.
+    pub(crate) fn new(trust: Arc<Trust>) -> Self {
+        Self { trust, bytes: 0, open: vec![], done: vec![], incomplete: false }
+    }
+
     /// The tree of a file and of what it includes; `None` with the problems reported where nothing could be read.
     /// `from` is where it is included.
     pub(crate) fn read(&mut self, path: &Path, from: Option<&Spot>, report: &mut Report) -> Option<Node> {
@@ -37,8 +49,7 @@ impl Reader {
             return None;
         }
         self.done.push(identity.clone());
-        let order = self.done.len();
-        let Some(own) = read_alone(path, from, order, report) else {
+        let Some(own) = self.alone(path, from, report) else {
             self.incomplete = true;
             return None;
         };
@@ -46,6 +57,43 @@ impl Reader {
         let tree = self.read_includes(own, report);
         self.open.pop();
         Some(tree)
+    }
+
+    /// The tree of a file as it stands; `None` with the problems reported where it cannot be read. `from` is where it is included.
+    fn alone(&mut self, path: &Path, from: Option<&Spot>, report: &mut Report) -> Option<Node> {
+        let error = match self.bytes_of(path, from.is_some()) {
+            Ok(bytes) => return parse(path, bytes, (self.done.len(), &self.trust), report),
+            Err(error) => error,
+        };
+        let spot = from.cloned().unwrap_or_else(|| whole(path));
+        match (error, files::fault(path, &[], &self.open_trust(from.is_some()))) {
+            (Error::Refused(problem), _) => {
+                let what = format!("`{}` is not read: {}", path.display(), problem.what);
+                report.error(&spot, what, problem.remedy.unwrap_or_default());
+            }
+            (_, Some((what, remedy))) => report.error(&spot, what, remedy),
+            (error, None) => {
+                let cause = std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string);
+                report.error_without_remedy(&spot, format!("cannot read `{}`: {cause}", path.display()));
+            }
+        }
+        None
+    }
+
+    /// All that a file holds, if that is not too much.
+    fn bytes_of(&mut self, path: &Path, is_included: bool) -> crate::error::Result<Vec<u8>> {
+        let trust = self.open_trust(is_included);
+        let too_many = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
+        trust.limits.check(Limit::Files, self.done.len() as u64).map_err(too_many)?;
+        let bytes = trust.read_counted(path, "cannot read", (Limit::SceneBytes, self.bytes))?;
+        self.bytes += bytes.len() as u64;
+        Ok(bytes)
+    }
+
+    /// How far a file is trusted: the one that the user named may lie anywhere.
+    fn open_trust(&self, is_included: bool) -> Trust {
+        let Trust { limits, sandbox } = &*self.trust;
+        Trust { limits: *limits, sandbox: sandbox.clone().filter(|_| is_included) }
     }
 
     /// The tree of `own` on top of those it includes.
@@ -60,9 +108,12 @@ impl Reader {
                 self.incomplete = true;
                 continue;
             };
-            if self.open.len() >= MAX_DEPTH {
-                let what = format!("files include each other more than {MAX_DEPTH} deep");
-                report.error(&item.spot, what, "include files directly");
+            let most = self.trust.limits.most(Limit::IncludeDepth).unwrap_or(DEEPEST).min(DEEPEST);
+            if self.open.len() as u64 >= most {
+                let what = format!("files include each other more than {most} deep");
+                let allow = format!(", or allow more by `--limits include_depth={}`", most + 1);
+                let allow = if most < DEEPEST { allow } else { String::new() };
+                report.error(&item.spot, what, format!("include files directly{allow}"));
                 self.incomplete = true;
                 continue;
             }
@@ -85,28 +136,9 @@ impl Reader {
     }
 }
 
-/// The tree of a file as it stands; `None` with the problems reported where it cannot be read. `from` is where it is named, `order` its
-/// place among the files that are read.
-pub(crate) fn read_alone(
-    path: &Path,
-    from: Option<&Spot>,
-    order: usize,
-    report: &mut Report,
-) -> Option<Node> {
-    match std::fs::read(path) {
-        Ok(bytes) => parse(path, bytes, order, report),
-        Err(error) => {
-            let spot = from.cloned().unwrap_or_else(|| whole(path));
-            match files::fault(path, &[]) {
-                Some((what, remedy)) => report.error(&spot, what, remedy),
-                None => {
-                    let what = format!("cannot read `{}`: {error}", path.display());
-                    report.error_without_remedy(&spot, what);
-                }
-            }
-            None
-        }
-    }
+/// The tree of a file that includes no others; `None` with the problems reported where it cannot be read.
+pub(crate) fn read_alone(path: &Path, limits: Limits, report: &mut Report) -> Option<Node> {
+    Reader::new(Arc::new(Trust { limits, sandbox: None })).alone(path, None, report)
 }
 
 /// A spot that names a file as a whole.
@@ -114,30 +146,37 @@ fn whole(path: &Path) -> Spot {
     Spot { source: Source::unread(path).into(), offset: 0 }
 }
 
-fn parse(path: &Path, bytes: Vec<u8>, order: usize, report: &mut Report) -> Option<Node> {
+fn parse(
+    path: &Path,
+    bytes: Vec<u8>,
+    (order, trust): (usize, &Arc<Trust>),
+    report: &mut Report,
+) -> Option<Node> {
     let text = match String::from_utf8(bytes) {
         Ok(text) => text,
         Err(error) => {
             let offset = error.utf8_error().valid_up_to();
             let text = String::from_utf8_lossy(error.as_bytes()).into_owned();
-            let spot = Spot { source: Source::file(path, text, order).into(), offset };
+            let spot = Spot { source: Source::file(path, text, order, trust).into(), offset };
             report.error(&spot, "the file is not UTF-8 from here on", "save it as UTF-8");
             return None;
         }
     };
     let text = text.strip_prefix('\u{feff}').map(String::from).unwrap_or(text);
-    Node::parse(&Arc::new(Source::file(path, text, order)), report)
+    Node::parse(&Arc::new(Source::file(path, text, order, trust)), report)
 }
 
 /// Puts `over` on top of `base`, both being tables of a whole file.
 fn merge(base: &mut Node, over: Node, report: &mut Report) {
     let Content::Table(over) = over.content else { return };
     let Content::Table(entries) = &mut base.content else { return };
+    let known = places(entries);
     for entry in over {
-        let Some(under) = entries.iter_mut().find(|under| under.key == entry.key) else {
+        let Some(&at) = known.get(&entry.key) else {
             entries.push(entry);
             continue;
         };
+        let under = &mut entries[at];
         match (&mut under.node.content, entry.node.content) {
             (Content::Array(under), Content::Array(over)) => under.extend(over),
             (Content::Table(under), Content::Table(over)) if entry.key == "materials" => {
@@ -149,20 +188,28 @@ fn merge(base: &mut Node, over: Node, report: &mut Report) {
     }
 }
 
+/// Where keys stand. What is put on top of them has each key once.
+fn places(entries: &[Entry]) -> HashMap<String, usize> {
+    entries.iter().enumerate().map(|(at, entry)| (entry.key.clone(), at)).collect()
+}
+
 fn replace_keys(under: &mut Vec<Entry>, over: Vec<Entry>) {
+    let known = places(under);
     for entry in over {
-        match under.iter_mut().find(|under| under.key == entry.key) {
-            Some(under) => *under = entry,
+        match known.get(&entry.key) {
+            Some(&at) => under[at] = entry,
             None => under.push(entry),
         }
     }
 }
 
 fn add_names(under: &mut Vec<Entry>, over: Vec<Entry>, report: &mut Report) {
+    let known = places(under);
     for entry in over {
-        match under.iter().find(|under| under.key == entry.key) {
-            Some(first) => {
-                let what = format!("material `{}` is defined already at {}", entry.key, first.spot.place());
+        match known.get(&entry.key) {
+            Some(&at) => {
+                let first = under[at].spot.place();
+                let what = format!("material `{}` is defined already at {first}", entry.key);
                 report.error(&entry.spot, what, "give one of them another name");
             }
             None => under.push(entry),

@@ -8,6 +8,7 @@
 //! Limits: a syntax error hides all other faults of its file and of what refers to it. Meshes and pictures are checked
 //! for being there, not opened; pictures on surfaces, which a scene can do without, not even that. [`load_mesh`] reads meshes.
 
+mod asked;
 pub(crate) mod batch;
 pub(crate) mod check;
 pub(crate) mod decode;
@@ -28,11 +29,13 @@ use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::record::{Rules, Value};
+use crate::trust::Trust;
 pub use batch::{is_scene, load_batch};
 use merge::Reader;
-pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, load_mesh, load_mesh_about};
+pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, load_mesh_within};
 use report::Report;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A scene as its files say.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,24 +49,37 @@ pub struct Loaded {
 /// The description in the scene file at `path`, with values replaced by `overrides` of the form `key=value`, the key
 /// being a dotted path.
 ///
-/// Fails with everything wrong with the files and the overrides, each with its place and a remedy.
+/// Files are trusted within the usual limits. Fails with everything wrong with the files and the overrides, each with its place and a
+/// remedy.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
-    load_in(path, overrides, Path::new(""))
+    load_from(path, (overrides, Path::new("")), &Trust::default())
 }
 
 /// The same with files that overrides name as seen from `folder`.
 pub fn load_in(path: &Path, overrides: &[String], folder: &Path) -> Result<Loaded> {
+    load_from(path, (overrides, folder), &Trust::default())
+}
+
+/// The same as [`load`] of files that are trusted so far; overrides are trusted no farther.
+pub fn load_within(path: &Path, overrides: &[String], trust: &Trust) -> Result<Loaded> {
+    load_from(path, (overrides, Path::new("")), trust)
+}
+
+/// The same of files that are trusted so far, with files that overrides name as seen from a folder.
+pub fn load_from(path: &Path, (overrides, folder): (&[String], &Path), trust: &Trust) -> Result<Loaded> {
     let mut report = Report::default();
-    let mut reader = Reader::default();
+    let trust = Arc::new(trust.clone());
+    let mut reader = Reader::new(trust.clone());
     let Some(mut tree) = reader.read(path, None, &mut report) else {
         return report.into_result(None);
     };
-    for (index, text) in overrides.iter().enumerate() {
-        overrides::apply(&mut tree, (text, folder), index, &mut report);
-    }
+    overrides::apply(&mut tree, (overrides, folder), &trust, &mut report);
     let description = Description::decode(&tree, "scene", &Rules::default(), &mut report);
     if !reader.incomplete {
-        references::check(&tree, &mut report);
+        references::check(&tree, &trust.limits, &mut report);
+    }
+    if let Some(description) = &description {
+        asked::check(&tree, description, &trust.limits, &mut report);
     }
     let description = report.into_result(description)?;
     let mut warnings = warnings(&description);
@@ -77,9 +93,7 @@ pub fn load_in(path: &Path, overrides: &[String], folder: &Path) -> Result<Loade
 pub fn fuzzy_filter(settings: &[String]) -> Result<FuzzyFilter> {
     let mut report = Report::default();
     let mut tree = Node::nowhere();
-    for (index, text) in settings.iter().enumerate() {
-        overrides::apply(&mut tree, (text, Path::new("")), index, &mut report);
-    }
+    overrides::apply(&mut tree, (settings, Path::new("")), &Arc::default(), &mut report);
     let filter = FuzzyFilter::decode(&tree, "fuzzy", &Rules::default(), &mut report);
     report.into_result(filter)
 }

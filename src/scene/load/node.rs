@@ -5,6 +5,7 @@
 
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
+use crate::trust::Limit;
 use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
@@ -57,7 +58,7 @@ impl Node {
 
     /// An empty table that nobody wrote.
     pub(crate) fn nowhere() -> Self {
-        let source = Source::file(Path::new(""), String::new(), 0);
+        let source = Source::file(Path::new(""), String::new(), 0, &Arc::default());
         Self::empty_table(Spot { source: source.into(), offset: 0 })
     }
 
@@ -76,46 +77,28 @@ impl Node {
                 None => report.error_without_remedy(&spot, message),
             }
         }
-        errors.is_empty().then(|| Self::of_table(table.into_inner(), source, 0))
+        if !errors.is_empty() {
+            return None;
+        }
+        let mut planted = Planted::new(source);
+        let tree = planted.table(table.into_inner(), 0, 0);
+        planted.is_sound(report).then_some(tree)
     }
 
     /// The value that an override sets: TOML if it is that, else the text as it stands.
-    pub(crate) fn parse_value(text: &str, source: &Arc<Source>) -> Self {
+    pub(crate) fn parse_value(text: &str, source: &Arc<Source>, report: &mut Report) -> Self {
         match DeValue::parse(text) {
-            Ok(value) => Self::of(value, source),
+            Ok(value) => {
+                let mut planted = Planted::new(source);
+                let value = planted.value(value, 1);
+                planted.is_sound(report);
+                value
+            }
             Err(_) => {
                 let spot = Spot { source: source.clone(), offset: 0 };
                 Self { spot, content: Content::String(text.into()) }
             }
         }
-    }
-
-    fn of(value: Spanned<DeValue<'_>>, source: &Arc<Source>) -> Self {
-        let offset = value.span().start;
-        let content = match value.into_inner() {
-            DeValue::Table(table) => return Self::of_table(table, source, offset),
-            DeValue::Array(array) => {
-                Content::Array(array.into_iter().map(|item| Self::of(item, source)).collect())
-            }
-            DeValue::String(text) => Content::String(text.into_owned()),
-            DeValue::Boolean(value) => Content::Boolean(value),
-            DeValue::Integer(number) => integer(&number),
-            DeValue::Float(number) => Content::Float(float(&number)),
-            DeValue::Datetime(_) => Content::Date,
-        };
-        Self { spot: Spot { source: source.clone(), offset }, content }
-    }
-
-    fn of_table(table: DeTable<'_>, source: &Arc<Source>, offset: usize) -> Self {
-        let mut entries: Vec<Entry> = table
-            .into_iter()
-            .map(|(key, value)| {
-                let spot = Spot { source: source.clone(), offset: key.span().start };
-                Entry { key: key.into_inner().into_owned(), spot, node: Self::of(value, source) }
-            })
-            .collect();
-        entries.sort_by_key(|entry| entry.spot.offset);
-        Self { spot: Spot { source: source.clone(), offset }, content: Content::Table(entries) }
     }
 
     /// The keys and values, if it is a table.
@@ -149,6 +132,76 @@ impl Node {
             Content::Array(_) => "an array",
             Content::Table(_) => "a table",
         }
+    }
+}
+
+/// A tree that is made of what the parser gives, no deeper than allowed: it is walked by recursion from here on.
+struct Planted<'a> {
+    source: &'a Arc<Source>,
+    /// The first thing that stands too deep.
+    too_deep: Option<usize>,
+}
+
+impl<'a> Planted<'a> {
+    fn new(source: &'a Arc<Source>) -> Self {
+        Self { source, too_deep: None }
+    }
+
+    /// Whether nothing stands too deep; else that is reported.
+    fn is_sound(&self, report: &mut Report) -> bool {
+        let limits = self.source.limits();
+        if let (Some(offset), Some(most)) = (self.too_deep, limits.most(Limit::Nesting)) {
+            let what = format!("tables and lists stand in each other more than {most} deep");
+            let remedy = format!("if that is meant, allow more by `--limits nesting={}`", most + 1);
+            report.error(&self.spot(offset), what, remedy);
+            return false;
+        }
+        true
+    }
+
+    fn spot(&self, offset: usize) -> Spot {
+        Spot { source: self.source.clone(), offset }
+    }
+
+    fn value(&mut self, value: Spanned<DeValue<'_>>, depth: u64) -> Node {
+        let offset = value.span().start;
+        let content = match value.into_inner() {
+            DeValue::Table(table) => return self.table(table, offset, depth),
+            DeValue::Array(_) if self.is_too_deep(offset, depth) => Content::Array(vec![]),
+            DeValue::Array(array) => {
+                Content::Array(array.into_iter().map(|item| self.value(item, depth + 1)).collect())
+            }
+            DeValue::String(text) => Content::String(text.into_owned()),
+            DeValue::Boolean(value) => Content::Boolean(value),
+            DeValue::Integer(number) => integer(&number),
+            DeValue::Float(number) => Content::Float(float(&number)),
+            DeValue::Datetime(_) => Content::Date,
+        };
+        Node { spot: self.spot(offset), content }
+    }
+
+    fn table(&mut self, table: DeTable<'_>, offset: usize, depth: u64) -> Node {
+        if self.is_too_deep(offset, depth) {
+            return Node::empty_table(self.spot(offset));
+        }
+        let mut entries: Vec<Entry> = table
+            .into_iter()
+            .map(|(key, value)| {
+                let spot = self.spot(key.span().start);
+                Entry { key: key.into_inner().into_owned(), spot, node: self.value(value, depth + 1) }
+            })
+            .collect();
+        entries.sort_by_key(|entry| entry.spot.offset);
+        Node { spot: self.spot(offset), content: Content::Table(entries) }
+    }
+
+    /// Whether something at that depth is left out, which is noted.
+    fn is_too_deep(&mut self, offset: usize, depth: u64) -> bool {
+        let is = self.source.limits().check(Limit::Nesting, depth).is_err();
+        if is {
+            self.too_deep.get_or_insert(offset);
+        }
+        is
     }
 }
 

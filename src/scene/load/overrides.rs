@@ -8,12 +8,24 @@ use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
 use crate::scene::load::words;
+use crate::trust::{Limit, Trust};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Applies one override to the tree, files in it as seen from a folder; what is wrong with it is reported.
-pub(crate) fn apply(tree: &mut Node, (text, folder): (&str, &Path), index: usize, report: &mut Report) {
-    let source = Arc::new(Source::command_line(text, folder, index));
+/// Applies overrides to the tree, one after the other, files in them as seen from a folder; what is wrong with them is reported.
+pub(crate) fn apply(
+    tree: &mut Node,
+    (overrides, folder): (&[String], &Path),
+    trust: &Arc<Trust>,
+    report: &mut Report,
+) {
+    for (index, text) in overrides.iter().enumerate() {
+        let source = Arc::new(Source::command_line(text, folder, index, trust));
+        apply_one(tree, text, &source, report);
+    }
+}
+
+fn apply_one(tree: &mut Node, text: &str, source: &Arc<Source>, report: &mut Report) {
     let spot = Spot { source: source.clone(), offset: 0 };
     let Some((path, value)) = split(text) else {
         report.error(&spot, "this is no override", "write key=value, the key as a dotted path");
@@ -23,11 +35,15 @@ pub(crate) fn apply(tree: &mut Node, (text, folder): (&str, &Path), index: usize
         report.error(&spot, "the path has an empty part", "write key=value, the key as a dotted path");
         return;
     }
+    if let Err(excess) = source.limits().check(Limit::Nesting, path.len() as u64) {
+        report.error(&spot, format!("the path has {excess}"), excess.remedy());
+        return;
+    }
     if path[0] == "include" {
         report.error(&spot, "`include` cannot be overridden", "name another scene file");
         return;
     }
-    let value = Node::parse_value(value.trim(), &source);
+    let value = Node::parse_value(value.trim(), source, report);
     if let Err((what, remedy)) = set(tree, &path, value, &spot) {
         report.error(&spot, what, remedy);
     }

@@ -6,15 +6,16 @@
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::words;
+use crate::trust::{Limit, Limits};
 use std::collections::{HashMap, HashSet};
 
 /// Types of shapes that bring no material of their own.
 const WITHOUT_MATERIALS: [&str; 8] =
     ["sphere", "disc", "rectangle", "box", "cylinder", "cone", "torus", "height_field"];
 
-/// Reports names given twice, references to nothing, shapes without a material, and shapes that are instances of
-/// themselves.
-pub(crate) fn check(tree: &Node, report: &mut Report) {
+/// Reports names given twice, references to nothing, shapes without a material, shapes that are instances of
+/// themselves, and instances of instances beyond what `limits` allow.
+pub(crate) fn check(tree: &Node, limits: &Limits, report: &mut Report) {
     let materials: Vec<&str> = tree
         .get("materials")
         .and_then(Node::entries)
@@ -22,14 +23,24 @@ pub(crate) fn check(tree: &Node, report: &mut Report) {
     let known: HashSet<&str> = materials.iter().copied().collect();
     let shapes = tree.get("shapes").and_then(Node::items).unwrap_or(&[]);
     let names = names(shapes, report);
-    for entry in tree.get("materials").and_then(Node::entries).unwrap_or(&[]) {
-        check_mix(&entry.node, tree, &materials, report);
+    let entries = tree.get("materials").and_then(Node::entries).unwrap_or(&[]);
+    let nodes: HashMap<&str, &Node> = entries.iter().map(|entry| (entry.key.as_str(), &entry.node)).collect();
+    for entry in entries {
+        check_mix(&entry.node, &nodes, &materials, report);
     }
     for shape in shapes {
         check_material(shape, &known, &materials, report);
         check_instance(shape, &names, report);
     }
-    check_cycles(shapes, &names, report);
+    check_chains(shapes, &names, limits, report);
+}
+
+/// A remedy for a name that is none of those there are. Not sought in long reports: it would be each of many names against all of many.
+fn suggested(report: &Report, name: &str, known: &[&str], what: &str) -> String {
+    if report.is_long() {
+        return format!("define that {what}, or name another");
+    }
+    words::suggest_name(name, known, what)
 }
 
 /// Shapes by name.
@@ -62,13 +73,13 @@ fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], repor
     };
     let Some(name) = node.text() else { return };
     if !known.contains(name) {
-        let remedy = words::suggest_name(name, materials, "material");
+        let remedy = suggested(report, name, materials, "material");
         report.error(&node.spot, format!("unknown material `{name}`"), remedy);
     }
 }
 
 /// The parts of a mix exist, and are not mixes or lights.
-fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Report) {
+fn check_mix(material: &Node, nodes: &HashMap<&str, &Node>, materials: &[&str], report: &mut Report) {
     let kind = |node: &Node| node.get("type").and_then(Node::text).map(str::to_owned);
     if kind(material).as_deref() != Some("mix") {
         return;
@@ -76,8 +87,8 @@ fn check_mix(material: &Node, tree: &Node, materials: &[&str], report: &mut Repo
     for part in material.get("parts").and_then(Node::items).unwrap_or(&[]) {
         let Some(node) = part.get("material") else { continue };
         let Some(name) = node.text() else { continue };
-        let Some(found) = tree.get("materials").and_then(|all| all.get(name)) else {
-            let remedy = words::suggest_name(name, materials, "material");
+        let Some(&found) = nodes.get(name) else {
+            let remedy = suggested(report, name, materials, "material");
             report.error(&node.spot, format!("unknown material `{name}`"), remedy);
             continue;
         };
@@ -102,7 +113,7 @@ fn check_instance(shape: &Node, names: &HashMap<&str, &Node>, report: &mut Repor
     if !names.contains_key(name) {
         let mut known: Vec<&str> = names.keys().copied().collect();
         known.sort_unstable();
-        let remedy = words::suggest_name(name, &known, "shape");
+        let remedy = suggested(report, name, &known, "shape");
         report.error(&node.spot, format!("unknown shape `{name}`"), remedy);
     }
 }
@@ -116,21 +127,41 @@ fn prototype(shape: &Node) -> Option<(&Node, &str)> {
     Some((node, node.text()?))
 }
 
-/// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first.
-fn check_cycles<'a>(shapes: &'a [Node], names: &HashMap<&'a str, &'a Node>, report: &mut Report) {
-    let mut finished: HashSet<*const Node> = HashSet::new();
+/// Follows instances from each shape; a cycle is reported once, at the shape of it that stands first, and so is the first chain that is too
+/// long.
+fn check_chains<'a>(
+    shapes: &'a [Node],
+    names: &HashMap<&'a str, &'a Node>,
+    limits: &Limits,
+    report: &mut Report,
+) {
+    let mut told = false;
+    // How many instances lead from a shape to one that is none.
+    let mut lengths: HashMap<*const Node, u64> = HashMap::new();
     for shape in shapes {
         let mut trail: Vec<&Node> = vec![];
+        let mut places: HashMap<*const Node, usize> = HashMap::new();
         let mut next = Some(shape);
-        while let Some(here) = next.filter(|here| !finished.contains(&std::ptr::from_ref::<Node>(here))) {
-            if let Some(start) = trail.iter().position(|past| std::ptr::eq(*past, here)) {
+        while let Some(here) = next.filter(|here| !lengths.contains_key(&std::ptr::from_ref::<Node>(here))) {
+            if let Some(&start) = places.get(&std::ptr::from_ref(here)) {
                 report_cycle(&trail[start..], report);
                 break;
             }
+            places.insert(here, trail.len());
             trail.push(here);
             next = prototype(here).and_then(|(_, name)| names.get(name).copied());
         }
-        finished.extend(trail.into_iter().map(std::ptr::from_ref));
+        let known = next.and_then(|next| lengths.get(&std::ptr::from_ref::<Node>(next)));
+        let mut length = known.map_or(0, |known| known + 1);
+        for here in trail.into_iter().rev() {
+            if !told && let Err(excess) = limits.check(Limit::Nesting, length) {
+                let what = format!("an instance of an instance and so on: {excess}");
+                report.error(&here.spot, what, excess.remedy());
+                told = true;
+            }
+            lengths.insert(here, length);
+            length += 1;
+        }
     }
 }
 

@@ -20,6 +20,11 @@ impl Report {
         self.add(spot, told(spot, what));
     }
 
+    /// Whether so much is wrong that words need not be sought that were meant.
+    pub(crate) fn is_long(&self) -> bool {
+        self.errors.len() > 1000
+    }
+
     fn add(&mut self, spot: &Spot, problem: Problem) {
         self.errors.push((spot.order(), problem));
     }

@@ -1,6 +1,9 @@
 //! Texts that users wrote, and places in them.
 
 use crate::error::Place;
+use crate::scene::load::files;
+use crate::scene::record::Rules;
+use crate::trust::{Limits, Trust};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -16,26 +19,29 @@ pub(crate) struct Source {
     lines: Vec<usize>,
     /// Files in the order they were opened, overrides after them.
     order: usize,
+    /// How far it is trusted.
+    trust: Arc<Trust>,
 }
 
 impl Source {
     /// A file.
-    pub(crate) fn file(path: &Path, text: String, order: usize) -> Self {
+    pub(crate) fn file(path: &Path, text: String, order: usize, trust: &Arc<Trust>) -> Self {
         let dir = path.parent().unwrap_or(Path::new("")).to_path_buf();
         let lines = std::iter::once(0).chain(text.match_indices('\n').map(|(i, _)| i + 1)).collect();
-        Self { name: path.into(), dir, text, lines, order }
+        Self { name: path.into(), dir, text, lines, order, trust: trust.clone() }
     }
 
     /// A file that could not be read: places in it have no line.
     pub(crate) fn unread(path: &Path) -> Self {
-        Self { name: path.into(), dir: PathBuf::new(), text: String::new(), lines: vec![], order: 0 }
+        let (dir, text) = (PathBuf::new(), String::new());
+        Self { name: path.into(), dir, text, lines: vec![], order: 0, trust: Arc::default() }
     }
 
     /// An override; paths in it are relative to `dir`.
-    pub(crate) fn command_line(text: &str, dir: &Path, index: usize) -> Self {
+    pub(crate) fn command_line(text: &str, dir: &Path, index: usize, trust: &Arc<Trust>) -> Self {
         let order = usize::MAX / 2 + index;
         let name = Path::new("command line").into();
-        Self { name, dir: dir.into(), text: text.into(), lines: vec![], order }
+        Self { name, dir: dir.into(), text: text.into(), lines: vec![], order, trust: trust.clone() }
     }
 
     /// Everything that was written.
@@ -43,9 +49,20 @@ impl Source {
         &self.text
     }
 
-    /// `path` as seen from the current directory.
-    pub(crate) fn resolve(&self, path: &Path) -> PathBuf {
-        self.dir.join(path)
+    /// A file that is named here as seen from the current directory, if it is what rules ask for (there, unless it may be missing, and of one
+    /// of their extensions) and lies where it may; else what is wrong with it, and what to do about it.
+    pub(crate) fn named(&self, path: &Path, rules: &Rules) -> Result<PathBuf, (String, String)> {
+        let path = self.dir.join(path);
+        let fault = if rules.may_be_missing { files::fault_if_there } else { files::fault };
+        match fault(&path, rules.extensions, &self.trust) {
+            None => Ok(path),
+            Some(fault) => Err(fault),
+        }
+    }
+
+    /// What it may ask for.
+    pub(crate) fn limits(&self) -> &Limits {
+        &self.trust.limits
     }
 
     /// The override, if it is one.
@@ -101,7 +118,7 @@ mod tests {
     #[test]
     fn places_count_lines_and_characters_from_one() {
         let text = "a\nβγ = 1\n";
-        let source = Source::file(Path::new("a.toml"), text.to_owned(), 0);
+        let source = Source::file(Path::new("a.toml"), text.to_owned(), 0, &Arc::default());
         let at = |offset| source.place(offset).to_string();
         assert_eq!(at(0), "a.toml:1:1", "start");
         assert_eq!(at(text.find('=').expect("there")), "a.toml:2:4", "after two letters of two bytes");

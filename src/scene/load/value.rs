@@ -6,7 +6,7 @@ use crate::scene::description::{
 };
 use crate::scene::load::node::{Content, Node};
 use crate::scene::load::report::Report;
-use crate::scene::load::{files, words};
+use crate::scene::load::words;
 use crate::scene::record::{Choice, Rules, Table, Value};
 use crate::scene::schema;
 use glam::{DVec3, Vec3};
@@ -191,15 +191,8 @@ impl Value for PathBuf {
             let found = if node.text().is_some() { "empty" } else { node.kind() };
             return mismatch(node, key, found, rules, report);
         };
-        let path = node.spot.source.resolve(Path::new(text));
-        let fault = if rules.may_be_missing { files::fault_if_there } else { files::fault };
-        match fault(&path, rules.extensions) {
-            None => Some(path),
-            Some((what, remedy)) => {
-                report.error(&node.spot, what, remedy);
-                None
-            }
-        }
+        let named = node.spot.source.named(Path::new(text), rules);
+        named.map_err(|(what, remedy)| report.error(&node.spot, what, remedy)).ok()
     }
 
     fn expects(rules: &Rules) -> String {

@@ -1,12 +1,22 @@
 //! Words for messages.
 
+/// Letters of the longest word that may be misspelt: comparing takes time and memory by the product of lengths.
+const LONGEST: usize = 256;
+
 /// The candidate nearest to a misspelt word, if any is near: at most a third of the letters are wrong, or one is the
 /// beginning of the other.
 pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let word = word.to_lowercase();
     let length = word.chars().count();
     let allowed = (length / 3).max(1);
+    if length > LONGEST {
+        return None;
+    }
     let distance = |candidate: &str| {
+        // Letters of a character may be more in lower case, but no fewer than a third.
+        if candidate.len() > 12 * LONGEST {
+            return usize::MAX;
+        }
         let candidate = candidate.to_lowercase();
         let begins = length >= 3 && (candidate.starts_with(&word) || word.starts_with(&candidate));
         let distance = strsim::damerau_levenshtein(&word, &candidate);
@@ -77,6 +87,10 @@ mod tests {
         assert_eq!(nearest("glass", known), None, "another word");
         assert_eq!(nearest("x", ["y", "k"]), None, "nothing in common");
         assert_eq!(nearest("", known), None, "no word");
+        // Compared letter by letter these would take terabytes.
+        let [long, longer] = ["a".repeat(1 << 20), "b".repeat(1 << 20)];
+        assert_eq!(nearest(&long, [longer.as_str()]), None, "endless words");
+        assert_eq!(nearest("mirror", [longer.as_str(), "miror"]), Some("miror"), "an endless candidate");
     }
 
     #[test]

@@ -11,11 +11,12 @@ mod parts;
 mod polygon;
 mod ring;
 
-use super::obj::load_obj;
-use super::ply::load_ply;
-use crate::error::{Place, Problem, Result};
+use super::obj::decode_obj;
+use super::ply::decode_ply;
+use crate::error::{Error, Place, Problem, Result};
 use crate::geometry::Mesh;
 use crate::scene::description::{Material, Named, Normals};
+use crate::trust::{Limit, Limits, Trust};
 pub(super) use about::positions;
 pub(super) use cutter::Cutter;
 use glam::DVec3;
@@ -67,25 +68,72 @@ pub enum About {
 /// Extensions of the files that [`load_mesh`] reads, in lower case.
 pub const EXTENSIONS: &[&str] = &["obj", "ply"];
 
-/// The triangles of a file of any known format, by its extension, with shading normals as `shading` says.
+/// The triangles of a file of any known format, by its extension, with shading normals as `shading` says, within the usual limits.
 ///
 /// Triangles without area are left out, with a warning. Fails, naming the place, on whatever the file refers to and does
 /// not have, on coordinates that are not finite or beyond [`Mesh::MAX_COORDINATE`], and on files without a triangle.
 pub fn load_mesh(path: &Path, shading: impl Into<Shading>) -> Result<LoadedMesh> {
-    load_mesh_about(path, shading, About::Needed)
+    load_mesh_within(path, shading, About::Needed, &Trust::default())
 }
 
-/// The same with positions counted from where `about` says.
-pub fn load_mesh_about(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
-    match extension.to_lowercase().as_str() {
-        "obj" => load_obj(path, shading, about),
-        "ply" => load_ply(path, shading, about),
-        _ => {
-            let problem = Problem::at(Place::file(path), "this is no mesh of a known format");
-            Err(problem.remedy("its name must end in .obj or .ply").into())
+/// The same of a file that is trusted so far, with positions counted from where `about` says.
+pub fn load_mesh_within(
+    path: &Path,
+    shading: impl Into<Shading>,
+    about: About,
+    trust: &Trust,
+) -> Result<LoadedMesh> {
+    let format = Format::of(path)?;
+    format.decode(trust.read(path, "cannot read the mesh")?, path, (shading.into(), about), trust)
+}
+
+/// The same of the bytes of a file; `path` tells its format, is for messages, and says beside which files those are that it names.
+pub fn decode_mesh(
+    bytes: Vec<u8>,
+    path: &Path,
+    shading: impl Into<Shading>,
+    about: About,
+    trust: &Trust,
+) -> Result<LoadedMesh> {
+    Format::of(path)?.decode(bytes, path, (shading.into(), about), trust)
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Format {
+    Obj,
+    Ply,
+}
+
+impl Format {
+    fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or("");
+        match extension.to_lowercase().as_str() {
+            "obj" => Ok(Self::Obj),
+            "ply" => Ok(Self::Ply),
+            _ => {
+                let problem = Problem::at(Place::file(path), "this is no mesh of a known format");
+                Err(problem.remedy("its name must end in .obj or .ply").into())
+            }
         }
     }
+
+    fn decode(
+        self,
+        bytes: Vec<u8>,
+        path: &Path,
+        (shading, about): (Shading, About),
+        trust: &Trust,
+    ) -> Result<LoadedMesh> {
+        match self {
+            Self::Obj => decode_obj(bytes, path, (shading, about), trust),
+            Self::Ply => decode_ply(bytes, path, (shading, about), &trust.limits),
+        }
+    }
+}
+
+/// Refuses more triangles than are allowed, before they are made.
+pub(super) fn check_count(place: impl FnOnce() -> Place, triangles: u64, limits: &Limits) -> Result<()> {
+    limits.check(Limit::Triangles, triangles).map_err(|excess| Error::Refused(excess.at(place())))
 }
 
 /// What to say of a file without a triangle that has at most `only` this, first in some line.

@@ -11,6 +11,7 @@ use crate::scene::description::{
     Bump, ImageTexture, Lie, Located, NormalMap, ScalarTexture, Space, Texture, Wrap,
 };
 use crate::scene::load::files;
+use crate::trust::Trust;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -76,13 +77,24 @@ pub(super) struct Map {
 }
 
 impl Maps {
-    /// Notes what follows a keyword; warnings where the file or a number cannot be used.
-    pub(super) fn add(&mut self, what: Use, rest: &str, mtl: &Path, place: Place) -> Vec<Problem> {
+    /// Notes what follows a keyword; warnings where the file or a number cannot be used. Fails where the file lies where it must not.
+    pub(super) fn add(
+        &mut self,
+        what: Use,
+        rest: &str,
+        (mtl, trust): (&Path, &Trust),
+        place: Place,
+    ) -> Result<Vec<Problem>, Problem> {
         let mut warnings = Vec::new();
-        let map = match Map::read(what, rest, mtl, place, &mut warnings) {
-            Ok(map) => Some(map),
-            Err((problem, remedy)) => {
-                warnings.push(problem.remedy(format!("{remedy}; {}", what.without())));
+        let map = Map::read(what, rest, mtl, place.clone(), &mut warnings);
+        if let Some((fault, remedy)) = trust.outside(&map.file.value) {
+            return Err(Problem::at(place, fault).remedy(remedy));
+        }
+        let map = match files::fault(&map.file.value, RASTERS, trust) {
+            None => Some(map),
+            Some((fault, remedy)) => {
+                let remedy = format!("{remedy}; {}", what.without());
+                warnings.push(Problem::at(place, fault).remedy(remedy));
                 None
             }
         };
@@ -93,7 +105,7 @@ impl Maps {
             Use::Normal => self.normal = map,
             Use::Bump => self.bump = map,
         }
-        warnings
+        Ok(warnings)
     }
 
     /// Whether the material is coloured by a picture, there or missing.
@@ -117,14 +129,8 @@ impl Maps {
 }
 
 impl Map {
-    /// Numbers that scene files could not hold are left out and warned of.
-    fn read(
-        what: Use,
-        rest: &str,
-        mtl: &Path,
-        place: Place,
-        warnings: &mut Vec<Problem>,
-    ) -> Result<Self, (Problem, String)> {
+    /// Numbers that scene files could not hold are left out and warned of. The file may not be there.
+    fn read(what: Use, rest: &str, mtl: &Path, place: Place, warnings: &mut Vec<Problem>) -> Self {
         let mut lie = Lie { wrap: Wrap::Repeat, repeat: [1.0; 2], offset: [0.0; 2] };
         let mut strength = [1.0];
         let mut rest = rest.trim();
@@ -161,10 +167,7 @@ impl Map {
         }
         let [strength] = strength;
         let file = mtl.with_file_name(rest.replace('\\', "/"));
-        match files::fault(&file, RASTERS) {
-            Some((what, remedy)) => Err((Problem::at(place, what), remedy)),
-            None => Ok(Self { file: Located { value: file, place }, lie, strength }),
-        }
+        Self { file: Located { value: file, place }, lie, strength }
     }
 
     fn colored(&self, factor: Rgb<f32>) -> Texture {
@@ -213,6 +216,7 @@ fn take(text: &str, most: usize, wanted: bool) -> (Vec<&str>, &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::trust::Sandbox;
 
     #[test]
     fn options_stand_before_names_with_spaces() {
@@ -221,7 +225,7 @@ mod tests {
         std::fs::write(dir.path().join("sub/my wood.png"), b"").expect("written");
         let mtl = dir.path().join("x.mtl");
         let read = |rest: &str| Map::read(Use::Bump, rest, &mtl, Place::file(&mtl), &mut vec![]);
-        let map = read("-s 2 3 1 -o 0.5 -clamp on -bm 0.25 -blendu off sub\\my wood.png").expect("there");
+        let map = read("-s 2 3 1 -o 0.5 -clamp on -bm 0.25 -blendu off sub\\my wood.png");
         assert_eq!(map.file.value, dir.path().join("sub/my wood.png"), "name");
         assert_eq!(
             (map.lie.repeat, map.lie.offset, map.lie.wrap),
@@ -229,8 +233,29 @@ mod tests {
             "options"
         );
         assert!((map.strength - 0.25).abs() < 1e-6, "strength");
-        let (problem, _) = read("-s 1 1 1 nothing.png").expect_err("missing");
-        assert!(problem.to_string().contains("no such file"), "{problem}");
+        let mut maps = Maps::default();
+        let told = maps.add(Use::Bump, "-s 1 1 1 nothing.png", (&mtl, &Trust::default()), Place::file(&mtl));
+        let told = told.expect("a warning");
+        assert!(told.len() == 1 && told[0].to_string().contains("no such file"), "{told:?}");
+        assert!(maps.bump.is_none(), "missing");
+    }
+
+    #[test]
+    fn pictures_outside_of_a_sandbox_are_refused_be_they_there_or_not() {
+        let dir = tempfile::tempdir().expect("a directory");
+        let inner = dir.path().join("inner");
+        std::fs::create_dir(&inner).expect("made");
+        std::fs::write(dir.path().join("a.png"), b"").expect("written");
+        std::fs::write(inner.join("b.png"), b"").expect("written");
+        let trust = Trust { sandbox: Some(Sandbox::new(&inner)), ..Trust::default() };
+        let mtl = inner.join("x.mtl");
+        let add = |name: &str| Maps::default().add(Use::Diffuse, name, (&mtl, &trust), Place::file(&mtl));
+        for name in ["../a.png", "..\\a.png", "../lost.png", "/lost.png"] {
+            let problem = add(name).expect_err(name).to_string();
+            assert!(problem.contains("lies outside of the scene's folder"), "{problem}");
+        }
+        assert_eq!(add("b.png").expect("inside"), [], "there");
+        assert_eq!(add("lost.png").expect("inside").len(), 1, "a warning");
     }
 
     #[test]
@@ -240,7 +265,7 @@ mod tests {
         let mtl = dir.path().join("x.mtl");
         let read = |what: Use, rest: &str| {
             let mut warnings = Vec::new();
-            let map = Map::read(what, rest, &mtl, Place::file(&mtl), &mut warnings).expect("there");
+            let map = Map::read(what, rest, &mtl, Place::file(&mtl), &mut warnings);
             (map.lie.repeat, map.lie.offset, map.strength, warnings.len())
         };
         let plain = |warnings: usize| ([1.0; 2], [0.0; 2], 1.0, warnings);

@@ -15,27 +15,35 @@ mod polygons;
 mod text;
 mod vertices;
 
-use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, no_triangle};
-use crate::error::{Error, Place, Problem, Result};
+use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, check_count, no_triangle};
+use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
+use crate::trust::Trust;
 use glam::Vec2;
 use mtl::Library;
 use outline::Outline;
 use polygons::{Corner, Polygons};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use vertices::Vertices;
 
-/// The triangles of an OBJ file, as [`load_mesh`](super::load_mesh) gives them.
-pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
-    let shading = shading.into();
-    let text = text::read(path, "cannot read the mesh")?;
+/// The triangles of the bytes of an OBJ file, as [`load_mesh`](super::load_mesh) gives them; files of materials are looked for beside `path`.
+pub(super) fn decode_obj(
+    bytes: Vec<u8>,
+    path: &Path,
+    (shading, about): (Shading, About),
+    trust: &Trust,
+) -> Result<LoadedMesh> {
+    let text = text::decode(bytes);
     let outline = Outline::of(&text);
+    check_count(|| Place::file(path), outline.faces.len() as u64, &trust.limits)?;
     let place = |line| Place { line: Some(line), ..Place::file(path) };
     let mut warnings = Vec::new();
     for (what, line, count) in &outline.ignored {
         warnings.push(Problem::at(place(*line), format!("{what} are ignored, {count} in all")));
     }
     let polygons = Polygons::read((&text, &outline), about, path, &mut warnings).map_err(Error::Input)?;
+    check_count(|| Place::file(path), polygons.triangles() as u64, &trust.limits)?;
     let triangles = Triangles::of(&polygons, shading.normals);
     warnings.extend(triangles.cutter.warning(path));
     if triangles.indices.is_empty() {
@@ -44,7 +52,7 @@ pub(super) fn load_obj(path: &Path, shading: impl Into<Shading>, about: About) -
         let dropped = triangles.cutter.dropped().map(|what| (None, what));
         return Err(no_triangle(path, dropped.or(ignored)).into());
     }
-    let materials = materials(&outline, &triangles.groups, path, &mut warnings);
+    let materials = materials(&outline, &triangles.groups, (path, trust), &mut warnings)?;
     let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
     let files = outline.libraries.iter().flat_map(|(names, _)| library_files(names, path));
     Ok(LoadedMesh { materials, libraries: files.collect(), ..loaded })
@@ -65,6 +73,10 @@ struct Triangles {
     group_of: Vec<u16>,
     /// Which material of the outline each group is of; none is that of faces before the first `usemtl`.
     groups: Vec<Option<u16>>,
+    /// The group of each material.
+    numbers: HashMap<Option<u16>, u16>,
+    /// The latest of these.
+    latest: Option<(Option<u16>, u16)>,
     cutter: Cutter,
 }
 
@@ -75,6 +87,8 @@ impl Triangles {
             indices: vec![],
             group_of: vec![],
             groups: vec![],
+            numbers: HashMap::new(),
+            latest: None,
             cutter: Cutter::default(),
         };
         let mut cutter = Cutter::default();
@@ -91,17 +105,25 @@ impl Triangles {
             .map(|corner| Corner { normal: corner.normal.filter(|_| keep), ..corner })
             .map(|corner| self.vertices.of(corner));
         self.indices.push([a, b, c]);
-        // Faces of one material come in long runs: the last group is nearly always the right one.
-        let known = self.groups.iter().rposition(|group| *group == material);
-        let group = known.unwrap_or_else(|| {
+        // Faces of one material come in long runs: the latest group is nearly always the right one.
+        let group = match self.latest {
+            Some((latest, group)) if latest == material => group,
+            _ => self.group(material),
+        };
+        self.latest = Some((material, group));
+        self.group_of.push(group);
+    }
+
+    /// The group of a material.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the outline has fewer materials than u16 tells apart"
+    )]
+    fn group(&mut self, material: Option<u16>) -> u16 {
+        *self.numbers.entry(material).or_insert_with(|| {
             self.groups.push(material);
-            self.groups.len() - 1
-        });
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "the outline has fewer materials than u16 tells apart"
-        )]
-        self.group_of.push(group as u16);
+            (self.groups.len() - 1) as u16
+        })
     }
 
     fn parts(self, polygons: &Polygons) -> Parts {
@@ -119,17 +141,17 @@ impl Triangles {
     }
 }
 
-/// The materials of the groups.
+/// The materials of the groups. Fails where files of materials, or pictures that these name, ask for too much or lie where they must not.
 fn materials(
     outline: &Outline,
     groups: &[Option<u16>],
-    path: &Path,
+    (path, trust): (&Path, &Trust),
     warnings: &mut Vec<Problem>,
-) -> Vec<Named<Material>> {
+) -> Result<Vec<Named<Material>>> {
     if groups.iter().all(Option::is_none) {
-        return vec![];
+        return Ok(vec![]);
     }
-    let (library, complete) = library(outline, path, warnings);
+    let (library, complete) = library(outline, (path, trust), warnings)?;
     let gray = || Scattering::Diffuse { reflectance: Texture::gray(0.5) }.into();
     let material = |group: &Option<u16>| {
         let Some((name, line)) = group.map(|i| &outline.materials[usize::from(i)]) else {
@@ -149,28 +171,49 @@ fn materials(
         });
         Named { name: name.clone(), place, value }
     };
-    groups.iter().map(material).collect()
+    Ok(groups.iter().map(material).collect())
 }
 
 /// The materials of all files that the text names, and whether all these files could be read.
-fn library(outline: &Outline, path: &Path, warnings: &mut Vec<Problem>) -> (Library, bool) {
-    let mut library = Library::default();
+fn library<'a>(
+    outline: &Outline,
+    (path, trust): (&Path, &'a Trust),
+    warnings: &mut Vec<Problem>,
+) -> Result<(Library<'a>, bool)> {
+    let mut library = Library::new(trust);
     let mut complete = true;
+    let mut refused = Problems::default();
     for (names, line) in &outline.libraries {
         for file in library_files(names, path) {
-            let read = std::fs::read(&file)
-                .map_err(|error| error.to_string())
-                .and_then(|bytes| library.read(&file, &text::decode(bytes)));
-            if let Err(error) = read {
+            let place = Place { line: Some(*line), ..Place::file(path) };
+            if let Some((what, remedy)) = trust.outside(&file) {
+                refused.push(Problem::at(place, what).remedy(remedy));
+                continue;
+            }
+            let why = match trust.read(&file, "cannot read") {
+                Ok(bytes) => library.read(&file, &text::decode(bytes)).err(),
+                Err(Error::Refused(Problem { what, remedy, .. })) => {
+                    let what = format!("`{}` is not read: {what}", file.display());
+                    refused.push(Problem { place: Some(place), what, remedy });
+                    continue;
+                }
+                Err(error) => Some(cause(&error)),
+            };
+            if let Some(why) = why {
                 complete = false;
-                let place = Place { line: Some(*line), ..Place::file(path) };
-                let problem = Problem::at(place, format!("cannot read `{}`: {error}", file.display()));
+                let problem = Problem::at(place, format!("cannot read `{}`: {why}", file.display()));
                 warnings.push(problem.remedy("its materials are made gray and diffuse"));
             }
         }
     }
     warnings.append(&mut library.warnings);
-    (library, complete)
+    refused.0.append(&mut library.refused.0);
+    refused.into_result((library, complete))
+}
+
+/// Why a file could not be read.
+fn cause(error: &Error) -> String {
+    std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
 /// The files that a line of `mtllib` names: one with spaces in its name if there is such a file, else one per word. A

@@ -33,21 +33,30 @@
 use super::maps::{Map, Maps, Use};
 use super::outline::keyword;
 use super::single;
-use crate::error::{Place, Problem};
+use crate::error::{Place, Problem, Problems};
 use crate::math::Rgb;
 use crate::scene::description::{Material, Optics, Scattering, Texture};
+use crate::trust::Trust;
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::Arc;
 
 /// Materials by name, and what was wrong with them.
-#[derive(Debug, Default)]
-pub(super) struct Library {
+#[derive(Debug)]
+pub(super) struct Library<'a> {
     pub(super) materials: HashMap<String, Material>,
     pub(super) warnings: Vec<Problem>,
+    /// Pictures that lie where they must not.
+    pub(super) refused: Problems,
+    trust: &'a Trust,
 }
 
-impl Library {
+impl<'a> Library<'a> {
+    /// Empty; files are trusted so far.
+    pub(super) fn new(trust: &'a Trust) -> Self {
+        Self { materials: HashMap::new(), warnings: vec![], refused: Problems::default(), trust }
+    }
+
     /// Adds the materials of a file; the first definition of a name counts. Fails, saying why, where tobj refuses all of
     /// it.
     pub(super) fn read(&mut self, path: &Path, text: &str) -> Result<(), String> {
@@ -63,7 +72,10 @@ impl Library {
             }
             if let Some(what) = Use::of(keyword) {
                 let Some(maps) = statements.maps.last_mut() else { continue };
-                self.warnings.extend(maps.add(what, rest, path, place()));
+                match maps.add(what, rest, (path, self.trust), place()) {
+                    Ok(warnings) => self.warnings.extend(warnings),
+                    Err(problem) => self.refused.push(problem),
+                }
             } else if statements.add(keyword, rest).is_none() {
                 let problem = Problem::at(place(), format!("`{line}` makes no sense and is ignored"));
                 self.warnings.push(problem.remedy(format!("give `{keyword}` finite numbers")));
@@ -245,7 +257,8 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Material {
-        let mut library = Library::default();
+        let trust = Trust::default();
+        let mut library = Library::new(&trust);
         library.read(Path::new("x.mtl"), &format!("newmtl x\r\n{text}")).expect("read");
         assert!(library.warnings.is_empty(), "{:?}", library.warnings);
         library.materials.remove("x").expect("the material")
@@ -318,7 +331,8 @@ mod tests {
 
     #[test]
     fn the_first_of_a_name_counts_and_the_nameless_are_told() {
-        let mut library = Library::default();
+        let trust = Trust::default();
+        let mut library = Library::new(&trust);
         library.read(Path::new("x.mtl"), "Kd 1\nnewmtl x\nKd 0.25\nnewmtl x\nKd 0.75\n").expect("read");
         let matt: Material = Scattering::Diffuse { reflectance: Texture::gray(0.25) }.into();
         assert_eq!(library.materials.get("x"), Some(&matt), "the first");
@@ -331,7 +345,8 @@ mod tests {
 
     #[test]
     fn what_cannot_be_understood_is_told() {
-        let mut library = Library::default();
+        let trust = Trust::default();
+        let mut library = Library::new(&trust);
         library
             .read(
                 Path::new("x.mtl"),

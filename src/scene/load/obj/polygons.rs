@@ -23,7 +23,7 @@ pub(super) struct Polygons {
 }
 
 /// What a corner of a polygon refers to; indices count from 0 and name what is there.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Corner {
     pub(super) position: u32,
     pub(super) uv: Option<u32>,
@@ -102,6 +102,11 @@ impl Polygons {
             any = true;
         }
         any
+    }
+
+    /// How many triangles all polygons are cut into.
+    pub(super) fn triangles(&self) -> usize {
+        self.corners.len() - 2 * self.polygons.len()
     }
 
     /// The corners of each polygon, and which of the outline's materials it has.

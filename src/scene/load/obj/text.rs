@@ -1,14 +1,5 @@
 //! Text of OBJ and MTL files in whatever encoding.
 
-use crate::error::{Error, Result};
-use std::path::Path;
-
-/// The text of a file; `what` says what failed if it cannot be read.
-pub(super) fn read(path: &Path, what: &'static str) -> Result<String> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io { path: path.into(), what, source })?;
-    Ok(decode(bytes))
-}
-
 /// Text in UTF-8, in UTF-16 with a byte order mark, or else in Latin-1, which gives every name letters of its own. A
 /// file without line feeds has its lines ended by carriage returns.
 pub(super) fn decode(bytes: Vec<u8>) -> String {

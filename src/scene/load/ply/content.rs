@@ -47,6 +47,12 @@ impl Content {
         Ok(content)
     }
 
+    /// How many triangles all polygons are cut into.
+    pub(super) fn triangles(&self) -> usize {
+        let polygons: usize = self.runs.iter().map(|[_, count]| count).sum();
+        self.corners.len() - 2 * polygons
+    }
+
     /// Makes room for what an element promises, as far as the file can hold it.
     fn reserve(&mut self, element: &Element, columns: &Columns, source: &impl Source) {
         let promised = usize::try_from(element.count).unwrap_or(usize::MAX);

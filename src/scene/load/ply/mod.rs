@@ -11,28 +11,34 @@ mod header;
 mod scalar;
 mod source;
 
-use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, no_triangle, positions};
-use crate::error::{Error, Place, Problem, Result};
+use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, check_count, no_triangle, positions};
+use crate::error::{Place, Problem, Result};
+use crate::trust::Limits;
 use content::Content;
 use glam::Vec3;
 use header::{Format, Header};
 use source::{Ascii, Binary, Source};
 use std::path::Path;
 
-/// The triangles of a PLY file, as [`load_mesh`](super::load_mesh) gives them.
-pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>, about: About) -> Result<LoadedMesh> {
-    let bytes = std::fs::read(path).map_err(|source| Error::Io {
-        path: path.into(),
-        what: "cannot read the mesh",
-        source,
-    })?;
+/// The triangles of the bytes of a PLY file, as [`load_mesh`](super::load_mesh) gives them.
+pub(super) fn decode_ply(
+    bytes: Vec<u8>,
+    path: &Path,
+    (shading, about): (Shading, About),
+    limits: &Limits,
+) -> Result<LoadedMesh> {
     let header = Header::read(&bytes, path)?;
+    let faces = header.elements.iter().find(|element| element.name == "face");
+    if let Some(element) = faces {
+        check_count(|| Place { line: Some(element.line), ..Place::file(path) }, element.count, limits)?;
+    }
     let (mut content, left_over) = match header.format {
         Format::Ascii => read(Ascii::new(&bytes, &header), &header, path),
         Format::BinaryLittleEndian => read(Binary::<false>::new(&bytes, &header), &header, path),
         Format::BinaryBigEndian => read(Binary::<true>::new(&bytes, &header), &header, path),
     }?;
     drop(bytes);
+    check_count(|| Place::file(path), content.triangles() as u64, limits)?;
     let mut warnings = warnings(&header, &content, left_over, path);
     let mut cutter = Cutter::default();
     let far = std::mem::take(&mut content.positions);
@@ -48,7 +54,7 @@ pub(super) fn load_ply(path: &Path, shading: impl Into<Shading>, about: About) -
     }
     let Content { normals, uvs, .. } = content;
     let parts = Parts { origin, positions, normals, uvs, triangles, groups: None };
-    Ok(parts.load(shading.into(), path, warnings)?)
+    Ok(parts.load(shading, path, warnings)?)
 }
 
 /// The content, and how many bytes follow it.
@@ -59,8 +65,7 @@ fn read(mut source: impl Source, header: &Header, path: &Path) -> Result<(Conten
 
 fn triangles(content: &Content, positions: &[Vec3], cutter: &mut Cutter) -> Vec<[u32; 3]> {
     let Content { corners, runs, .. } = content;
-    let polygons: usize = runs.iter().map(|[_, count]| count).sum();
-    let mut triangles = Vec::with_capacity(corners.len() - 2 * polygons);
+    let mut triangles = Vec::with_capacity(content.triangles());
     let mut left = corners.as_slice();
     for &[length, count] in runs {
         let (run, rest) = left.split_at(length * count);
