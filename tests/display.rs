@@ -176,6 +176,24 @@ fn a_viewer_has_the_picture_of_the_file() {
 }
 
 #[test]
+fn frames_are_shown_under_their_own_names() {
+    let desk = desk();
+    let (listener, place) = listener();
+    let again = listener.try_clone().expect("another");
+    let frames = thread::spawn(move || {
+        let first = receiver(again).join().expect("received");
+        [first, receiver(listener).join().expect("received")]
+    });
+    let words = ["render", "scene.toml", "-o", "a.#.exr", "--frames", "3..4", "--display", &place];
+    let (status, _, log) = desk.run(&words);
+    assert_eq!(status, 0, "{log}");
+    for (received, frame) in frames.join().expect("received").iter().zip([3, 4]) {
+        assert_eq!(received.name, format!("scene.toml frame {frame}"), "name");
+        compare(received, &exr::read(&desk.path(&format!("a.{frame}.exr"))).expect("a picture"));
+    }
+}
+
+#[test]
 fn tiles_come_while_the_picture_is_made() {
     let desk = desk();
     let (listener, place) = listener();

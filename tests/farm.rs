@@ -260,7 +260,7 @@ fn filtered_reflections_are_sliced_without_checkpoints() {
 #[test]
 fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
     let (_desk, folder) = desk(ODD);
-    let cases: [(&[&str], &[&str]); 14] = [
+    let cases: [(&[&str], &[&str]); 15] = [
         (&["--time-limit=90s"], &["--time-limit", "known beforehand", "--spp"]),
         (&["--target-error=0.1"], &["--target-error", "--spp"]),
         (&["--slice=0/2"], &["--slice", "--slices"]),
@@ -268,6 +268,7 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
         (&["--resume"], &["--resume", "leave it out"]),
         (&["--aov=gbuffer"], &["gbuffer", "first pass"]),
         (&["-o", "a.part"], &["a.part", ".exr or .png"]),
+        (&["--display=localhost:14158"], &["--display", "leave it out"]),
         (&["--slices=0"], &["--slices", "from 1 on"]),
         (&["--slices=49"], &["48 samples", "49 slices"]),
         (&["--wait"], &["--wait", "--submit"]),

@@ -35,16 +35,23 @@ fn render(desk: &Desk, words: &[&str]) -> (i32, String) {
     (status, log)
 }
 
+/// A ball with a picture on it; the file is named in the third line.
+fn picture_of(file: &str) -> String {
+    format!(
+        "[materials.p]\ntype = 'diffuse'\nreflectance = {{ file = '{file}' }}\n[[shapes]]\ntype = 'sphere'\nmaterial = 'p'\n"
+    )
+}
+
 const MESH: &str = "type = 'mesh'\nfile = 'a.obj'";
 
 #[test]
 fn what_is_asked_for_is_limited() {
-    let picture = "[materials.p]\ntype = 'diffuse'\nreflectance = { file = 'a.png' }\n";
+    let picture = picture_of("a.png");
     let instance = |i: u32| format!("[[shapes]]\ntype = 'instance'\nname = 's{i}'\nof = 's{}'\n", i - 1);
     let ball = "[[shapes]]\ntype = 'sphere'\nname = 's0'\nmaterial = 'm'\n".to_owned();
     let chain = ball + &(1..7).map(instance).collect::<String>();
     // What is asked for, a limit that refuses it and one that just does not, and the place and what is told.
-    let cases: [(&str, String, &str, &str, &str); 13] = [
+    let cases: [(&str, String, &str, &str, &str); 14] = [
         (
             "pixels",
             String::new(),
@@ -65,28 +72,29 @@ fn what_is_asked_for_is_limited() {
         ),
         (
             "triangles",
+            shape(MESH) + &shape("type = 'mesh'\nfile = 'a.ply'"),
+            "3",
+            "4",
+            "scene.toml:19:8: with this the scene has 4 triangles",
+        ),
+        (
+            "triangles",
             shape("type = 'height_field'\nfile = 'a.png'"),
             "23",
             "24",
             "scene.toml:15:8: with this",
         ),
-        (
-            "texels",
-            picture.to_owned(),
-            "19",
-            "20",
-            "a.png: a picture of 5 by 4 pixels is too large: 20 texels",
-        ),
-        (
-            "textures",
-            picture.to_owned(),
-            "19",
-            "20",
-            "scene.toml:14:24: with this the scene has 20 texels in all",
-        ),
+        ("texels", picture.clone(), "19", "20", "a.png: a picture of 5 by 4 pixels is too large: 20 texels"),
+        ("textures", picture, "19", "20", "scene.toml:14:24: with this the scene has 20 texels in all"),
         ("bytes", shape(MESH), "41", "500", "a.obj: 42 bytes, and 41 are allowed"),
         ("scene_bytes", String::new(), "100", "1e4", "scene.toml: `scene.toml` is not read: "),
-        ("files", shape(MESH).repeat(2), "1", "2", "scene.toml:19:8: with this the scene has 2 files"),
+        (
+            "files",
+            shape(MESH) + &shape("type = 'mesh'\nfile = 'a.ply'"),
+            "1",
+            "2",
+            "scene.toml:19:8: with this the scene has 2 files",
+        ),
         ("nesting", chain, "4", "7", ": an instance of an instance and so on: 5 levels"),
     ];
     for (limit, rest, refused, allowed, told) in cases {
@@ -170,6 +178,16 @@ fn all_commands_that_read_know_limits() {
         assert!(status == 2 && log.contains(told), "{words:?}: {status}, {log}");
     };
     told(&["plan", "scene.toml", "--limits", "triangles=1"], "a.obj: 2 triangles in all");
+    told(&["tradeoff", "scene.toml", "--limits", "triangles=1"], "a.obj: 2 triangles in all");
+    let farm = ["farm", "slurm", "scene.toml", "-o", "f.exr", "--limits", "triangles=1"];
+    told(&farm, "a.obj: 2 triangles in all");
+    assert!(!desk.path("f.farm").exists(), "nothing written");
+    told(&["batch", "scene.toml", "--limits", "scene_bytes=9"], "`scene.toml` is not read: ");
+    fs::write(desk.path("batch.toml"), "[[jobs]]\nscene = 'scene.toml'\n").expect("written");
+    told(&["batch", "batch.toml", "--limits", "scene_bytes=9"], "`batch.toml` is not read: ");
+    let deep = format!("x = {}{}\n", "[".repeat(70), "]".repeat(70));
+    fs::write(desk.path("deep.toml"), deep).expect("written");
+    told(&["batch", "deep.toml"], "more than 64 deep");
     told(&["bench", "scene.toml", "--quick", "--limits", "pixels=7"], "scene.toml:3:10: a picture of 8 by 6");
     let (status, log) = render(&desk, &["-o", "a.part"]);
     assert_eq!(status, 0, "{log}");
@@ -212,14 +230,14 @@ fn claim(width: u32, height: u32) -> Vec<u8> {
 fn claims_of_terabytes_are_refused_whatever_the_limits() {
     let vertices = PLY.replace("vertex 4", "vertex 1000000000000").replace("ascii", "binary_little_endian");
     let faces = PLY.replace("face 1", "face 1000000000000");
-    let picture = "[materials.p]\ntype = 'diffuse'\nreflectance = { file = 'a.png' }\n";
+    let picture = picture_of("a.png");
     let hdr = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000000 +X 1000000\n";
     let sky = "[[lights]]\ntype = 'environment'\nfile = 'a.hdr'\n";
     let mesh = shape("type = 'mesh'\nfile = 'a.ply'");
     let cases: [(&str, &[u8], &str, &str); 4] = [
         ("a.ply", vertices.as_bytes(), &mesh, "get a complete copy of the file"),
         ("a.ply", faces.as_bytes(), &mesh, "the file ends here"),
-        ("a.png", &claim(1_000_000, 1_000_000), picture, "claims more pixels than its bytes can hold"),
+        ("a.png", &claim(1_000_000, 1_000_000), &picture, "claims more pixels than its bytes can hold"),
         ("a.hdr", hdr.as_bytes(), sky, "claims more pixels than its bytes can hold"),
     ];
     for (name, bytes, rest, without) in cases {
@@ -237,7 +255,9 @@ fn claims_of_terabytes_are_refused_whatever_the_limits() {
         fs::write(desk.path("scene.toml"), scene).expect("written");
         fs::write(desk.path(name), bytes).expect("written");
         let (status, log) = render(&desk, &["--limits", "none"]);
-        assert!(status == 2 && log.contains(name) && log.contains(without), "{name}: {log}");
+        // A surface can do without a picture that cannot be read, but not with one that asks for too much.
+        let end = if name == "a.png" { 0 } else { 2 };
+        assert!(status == end && log.contains(name) && log.contains(without), "{name}: {status}, {log}");
         let (status, log) = render(&desk, &[]);
         assert!(status == 2 && log.contains(name), "{name}: {log}");
     }
@@ -267,8 +287,7 @@ fn a_sandbox_is_not_left() {
     let inside = desk.path("in/a.obj").canonicalize().expect("there").display().to_string();
     let mesh = |file: &str| shape(&format!("type = 'mesh'\nfile = '{file}'"));
     let own = |file: &str| format!("[[shapes]]\ntype = 'mesh'\nfile = '{file}'\n");
-    let picture =
-        |file: &str| format!("[materials.p]\ntype = 'diffuse'\nreflectance = {{ file = '{file}' }}\n");
+    let picture = picture_of;
     let run = |top: &str, rest: &str, words: &[&str]| {
         write("in/scene.toml", &format!("{top}{SCENE}{rest}"));
         let all = [&["render", "in/scene.toml", "-o", "a.exr", "-q"], words].concat();
@@ -300,6 +319,16 @@ fn a_sandbox_is_not_left() {
         let (status, log) = run(top, &rest, &[]);
         assert_eq!(status, 0, "without a sandbox: {top}{rest}: {log}");
     }
+    // A picture that is missing is made up for; one that lies outside is not, be it there or not.
+    let (status, log) = run("", &picture("lost.png"), &["--sandbox"]);
+    assert!(status == 0 && log.contains("no such file") && log.contains("made gray"), "{status}, {log}");
+    for file in ["../lost.png", "up/lost.png"] {
+        let (status, log) = run("", &picture(file), &["--sandbox"]);
+        assert!(
+            status == 2 && log.contains("lies outside") && !log.contains("no such file"),
+            "{file}: {log}"
+        );
+    }
     // Nothing is told of what is outside, not even whether it is there.
     let (_, log) = run("", &mesh("../lost.obj"), &["--sandbox"]);
     assert!(log.contains("lies outside") && !log.contains("no such file"), "{log}");
@@ -317,4 +346,55 @@ fn a_sandbox_is_not_left() {
     let (status, _, log) = desk.run(&words);
     assert_eq!((status, log.as_str()), (0, ""), "a linked scene");
     assert!(desk.path("b.exr").exists(), "outside of the sandbox");
+}
+
+#[cfg(unix)]
+#[test]
+fn each_scene_of_a_batch_has_a_sandbox_of_its_own() {
+    let desk = Desk::new();
+    let write = |name: &str, text: &str| fs::write(desk.path(name), text).expect("written");
+    fs::create_dir_all(desk.path("in/sub")).expect("made");
+    write("in/m.mtl", "newmtl a\nKd 1 0 0\n");
+    write("in/sub/a.obj", &format!("mtllib ../m.mtl\nusemtl a\n{OBJ}"));
+    write("in/sub/b.obj", OBJ);
+    let scene = |file: &str| format!("{SCENE}[[shapes]]\ntype = 'mesh'\nfile = '{file}'\n");
+    write("in/scene.toml", &scene("sub/a.obj"));
+    write("in/sub/other.toml", &scene("a.obj"));
+    write("in/sub/fine.toml", &format!("{SCENE}{}", shape("type = 'mesh'\nfile = 'b.obj'")));
+    // The mesh is on the shelf when the second scene asks for it, whose folder its materials do not lie in.
+    let scenes = ["in/scene.toml", "in/sub/other.toml", "in/sub/fine.toml"];
+    let words = |limit: &str| [&["batch"][..], &scenes, &["-q", "--sandbox", "--limits", limit]].concat();
+    let (status, out, log) = desk.run(&words("triangles=2"));
+    assert!(status == 1 && out.contains("1 failed"), "{status}, {out}{log}");
+    let outside = "`in/sub/../m.mtl` lies outside of the scene's folder `in/sub`";
+    assert!(log.contains(outside), "{log}");
+    assert!(log.contains("specula render in/sub/other.toml --sandbox --limits=triangles=2"), "again: {log}");
+    assert!(desk.path("scene.exr").exists() && desk.path("fine.exr").exists(), "the others");
+    assert!(!desk.path("other.exr").exists(), "not that one");
+    let (status, out, _) = desk.run(&words("triangles=1"));
+    assert!(status == 1 && out.contains("failed"), "{out}");
+}
+
+#[test]
+fn files_of_a_batch_are_as_seen_from_its_folder_and_inside_of_the_sandbox() {
+    let desk = Desk::new();
+    let write = |name: &str, text: &str| fs::write(desk.path(name), text).expect("written");
+    fs::create_dir_all(desk.path("in")).expect("made");
+    write("out.obj", OBJ);
+    write("in/a.obj", OBJ);
+    write("in/scene.toml", &format!("{SCENE}{}", shape(MESH)));
+    let jobs = |file: &str| {
+        format!(
+            "[[jobs]]\nscene = 'in/scene.toml'\noverrides = {{ shapes.0.file = '{file}' }}\noutputs = ['a.exr']\n"
+        )
+    };
+    for (file, sandbox, is_allowed) in
+        [("in/a.obj", true, true), ("out.obj", true, false), ("out.obj", false, true)]
+    {
+        write("batch.toml", &jobs(file));
+        let words = [&["batch", "batch.toml", "-q"][..], if sandbox { &["--sandbox"] } else { &[] }].concat();
+        let (status, _, log) = desk.run(&words);
+        assert_eq!(status == 0, is_allowed, "{file}, {sandbox}: {log}");
+        assert_eq!(log.contains("lies outside of the scene's folder `in`"), !is_allowed, "{file}: {log}");
+    }
 }

@@ -251,6 +251,7 @@ impl Library {
 mod tests {
     use super::*;
     use crate::error::Problem;
+    use crate::trust::{Limits, Sandbox};
     use std::thread;
 
     fn read(library: &Library, path: &Path, form: Form) -> Vec<u8> {
@@ -283,6 +284,27 @@ mod tests {
         fs::remove_file(&path).expect("removed");
         assert_eq!(read(&library, &path, Form::Heights), b"", "none");
         assert_eq!(library.bytes(), 3, "what is left is the other form");
+    }
+
+    #[test]
+    fn what_is_kept_is_for_those_who_may_have_it() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a");
+        fs::write(&path, b"three").expect("written");
+        fs::write(path.with_extension("more"), b"much more").expect("written");
+        let library = Library::of_bytes(100);
+        assert_eq!(read(&library, &path, Form::Heights), b"three", "read");
+        let ask = |trust: Trust| {
+            let none = || Err(Problem::new("read again").into());
+            library.thing::<Vec<u8>>(&path, Form::Heights, &trust, none).map(|thing| thing.len())
+        };
+        let of = |most| Trust { limits: Limits::default().with(Limit::Bytes, Some(most)), sandbox: None };
+        assert_eq!(ask(of(9)).expect("there"), 5, "within limits");
+        assert!(matches!(ask(of(8)), Err(Error::Refused(_))), "a file that it names has more");
+        assert!(matches!(ask(of(4)), Err(Error::Refused(_))), "it has more");
+        let inside = |folder: &Path| Trust { sandbox: Some(Sandbox::new(folder)), ..Trust::default() };
+        assert_eq!(ask(inside(folder.path())).expect("there"), 5, "in the folder");
+        assert!(matches!(ask(inside(&folder.path().join("b"))), Err(Error::Refused(_))), "outside");
     }
 
     #[test]
