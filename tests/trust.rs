@@ -363,15 +363,18 @@ fn each_scene_of_a_batch_has_a_sandbox_of_its_own() {
     write("in/sub/fine.toml", &format!("{SCENE}{}", shape("type = 'mesh'\nfile = 'b.obj'")));
     // The mesh is on the shelf when the second scene asks for it, whose folder its materials do not lie in.
     let scenes = ["in/scene.toml", "in/sub/other.toml", "in/sub/fine.toml"];
-    let words = |limit: &str| [&["batch"][..], &scenes, &["-q", "--sandbox", "--limits", limit]].concat();
-    let (status, out, log) = desk.run(&words("triangles=2"));
+    let batch = |limit: &str| {
+        let words = [&["batch"][..], &scenes, &["-q", "--sandbox", "--limits", limit]].concat();
+        desk.run(&words)
+    };
+    let (status, out, log) = batch("triangles=2");
     assert!(status == 1 && out.contains("1 failed"), "{status}, {out}{log}");
     let outside = "`in/sub/../m.mtl` lies outside of the scene's folder `in/sub`";
     assert!(log.contains(outside), "{log}");
     assert!(log.contains("specula render in/sub/other.toml --sandbox --limits=triangles=2"), "again: {log}");
     assert!(desk.path("scene.exr").exists() && desk.path("fine.exr").exists(), "the others");
     assert!(!desk.path("other.exr").exists(), "not that one");
-    let (status, out, _) = desk.run(&words("triangles=1"));
+    let (status, out, _) = batch("triangles=1");
     assert!(status == 1 && out.contains("failed"), "{out}");
 }
 
