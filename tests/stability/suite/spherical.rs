@@ -116,6 +116,26 @@ impl Triangle {
     }
 }
 
+/// What rounding makes of the sums of van Oosterom and Strackee for both halves of the rectangle, relative to them: their parts cancel where
+/// an edge passes close by.
+fn rounded_sums(a: &[f64]) -> f64 {
+    let [x0, dx, y0, dy, z] = [0, 1, 2, 3, 4].map(|i| a[i]);
+    let (x1, y1, z2) = (x0 + dx, y0 + dy, z * z);
+    let r = |x: f64, y: f64| (x * x + y * y + z2).sqrt();
+    let half = |[px, py]: [f64; 2]| {
+        let (first, last) = (r(x0, y0), r(x1, y1));
+        let between = r(px, py);
+        let parts = [
+            first * between * last,
+            (x0 * px + y0 * py + z2) * last,
+            (px * x1 + py * y1 + z2) * first,
+            (x0 * x1 + y0 * y1 + z2) * between,
+        ];
+        parts.map(f64::abs).iter().sum::<f64>() / parts.iter().sum::<f64>().abs()
+    };
+    2e-7 * f64::max(half([x1, y0]), half([x0, y1]))
+}
+
 /// The rectangle of ends, lengths and distance.
 fn rectangle(a: &[f32]) -> SphericalRectangle<f32> {
     SphericalRectangle::new([a[0], a[0] + a[1]], [a[2], a[2] + a[3]], a[4])
@@ -133,8 +153,8 @@ pub(crate) fn rows() -> Vec<Row> {
         kernel!(scalar "rectangle: solid angle", [end(), size(), end(), size(), distance()],
             |a| [rectangle(a).solid_angle()],
             |t| Some(vec![solid_angle_of_rectangle(t)]),
-            "2e-6, and the rounding of the ends",
-            |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]))),
+            "2e-6, the rounding of the ends, and of the sums that half angles are quotients of",
+            |a, s| s * (2e-6 + rounded_ends(a[0], a[1]) + rounded_ends(a[2], a[3]) + rounded_sums(a))),
         kernel!(scalar "triangle: solid angle", [end(), end(), distance(), size()],
             |a| [triangle(a).solid_angle()],
             |t| Some(vec![Triangle::new(t).solid_angle]),
