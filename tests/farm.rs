@@ -160,6 +160,31 @@ fn the_scripts_make_the_picture_whatever_its_folder_is_called() {
 }
 
 #[test]
+fn tasks_trust_the_scene_as_far_as_was_said() {
+    let (_desk, folder) = desk(ODD);
+    let flags = ["-o", "a.exr", "--slices=2", "--sandbox", "--limits", "pixels=4e8,bytes=none"];
+    let files = paths(&farm(&folder, "slurm", &flags), "files");
+    let [tasks, merge] = [0, 1].map(|i| fs::read_to_string(&files[i]).expect("there"));
+    let last = tasks.lines().last().expect("lines");
+    for word in ["--sandbox", "--limits=pixels=4e8", "--limits=bytes=none"] {
+        assert!(last.contains(word), "{word} in {last}");
+    }
+    // A part is no scene, but it may be as large as the picture.
+    assert!(
+        merge.contains("--limits=pixels=400000000,bytes=none") && !merge.contains("--sandbox"),
+        "{merge}"
+    );
+    for slice in ["0", "1"] {
+        done(&mut node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]));
+    }
+    done(&mut node(&files[1], &[("SLURM_JOB_ID", "1")]));
+    assert!(folder.join("a.exr").is_file(), "merged");
+    let files = paths(&farm(&folder, "openjd", &flags), "files");
+    let template = fs::read_to_string(&files[0]).expect("there");
+    assert!(template.contains("\"--limits=pixels=400000000,bytes=none\""), "{template}");
+}
+
+#[test]
 fn what_is_there_is_not_rendered_again_and_other_pictures_do_not_count() {
     let (_desk, folder) = desk(ODD);
     let flags = ["--slices=6", "-o", "a.exr", "--at-once=2"];

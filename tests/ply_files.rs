@@ -416,7 +416,7 @@ fn lying_counts_are_found_out() {
         let mut writer = Writer::new(
             order,
             "element vertex 18446744073709551615\nproperty float x\nproperty float y\nproperty float z\n\
-             element face 99999999999\nproperty list uchar int vertex_indices\n",
+             element face 1999999999\nproperty list uchar int vertex_indices\n",
         );
         for _ in 0..2 {
             writer.numbers("float", &[0.0; 3]);

@@ -152,15 +152,14 @@ fn check_chains<'a>(
             next = prototype(here).and_then(|(_, name)| names.get(name).copied());
         }
         let known = next.and_then(|next| lengths.get(&std::ptr::from_ref::<Node>(next)));
-        let mut length = known.map_or(0, |known| known + 1);
-        for here in trail.into_iter().rev() {
+        let first = known.map_or(0, |known| known + 1);
+        for (here, length) in trail.into_iter().rev().zip(first..) {
             if !told && let Err(excess) = limits.check(Limit::Nesting, length) {
                 let what = format!("an instance of an instance and so on: {excess}");
                 report.error(&here.spot, what, excess.remedy());
                 told = true;
             }
             lengths.insert(here, length);
-            length += 1;
         }
     }
 }
