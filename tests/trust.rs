@@ -44,6 +44,19 @@ fn picture_of(file: &str) -> String {
 
 const MESH: &str = "type = 'mesh'\nfile = 'a.obj'";
 
+/// A limit that refuses what a scene with these shapes asks for, one that just does not, and what is told.
+fn check_limit((limit, rest, refused, allowed, told): (&str, String, &str, &str, &str)) {
+    let desk = desk(&rest);
+    let (status, log) = render(&desk, &["--limits", &format!("{limit}={refused}")]);
+    assert!(status == 2 && log.contains(told), "{limit}={refused}: {status}, {log}");
+    assert!(log.contains(&format!("allow more by `--limits {limit}=")), "{limit}: the remedy: {log}");
+    assert!(!desk.path("a.exr").exists(), "{limit}: no picture");
+    let (status, log) = render(&desk, &["--limits", &format!("none,{limit}={allowed}")]);
+    assert_eq!((status, log.as_str()), (0, ""), "{limit}={allowed}");
+    let (status, log) = render(&desk, &[]);
+    assert_eq!((status, log.as_str()), (0, ""), "{limit} by default");
+}
+
 #[test]
 fn what_is_asked_for_is_limited() {
     let picture = picture_of("a.png");
@@ -97,17 +110,7 @@ fn what_is_asked_for_is_limited() {
         ),
         ("nesting", chain, "4", "7", ": an instance of an instance and so on: 5 levels"),
     ];
-    for (limit, rest, refused, allowed, told) in cases {
-        let desk = desk(&rest);
-        let (status, log) = render(&desk, &["--limits", &format!("{limit}={refused}")]);
-        assert!(status == 2 && log.contains(told), "{limit}={refused}: {status}, {log}");
-        assert!(log.contains(&format!("allow more by `--limits {limit}=")), "{limit}: the remedy: {log}");
-        assert!(!desk.path("a.exr").exists(), "{limit}: no picture");
-        let (status, log) = render(&desk, &["--limits", &format!("none,{limit}={allowed}")]);
-        assert_eq!((status, log.as_str()), (0, ""), "{limit}={allowed}");
-        let (status, log) = render(&desk, &[]);
-        assert_eq!((status, log.as_str()), (0, ""), "{limit} by default");
-    }
+    cases.into_iter().for_each(check_limit);
 }
 
 #[test]
@@ -263,9 +266,9 @@ fn claims_of_terabytes_are_refused_whatever_the_limits() {
     }
 }
 
+/// A folder `in` for scenes, what lies beside it, and links between.
 #[cfg(unix)]
-#[test]
-fn a_sandbox_is_not_left() {
+fn yard() -> Desk {
     use std::os::unix::fs::symlink;
     let desk = Desk::new();
     let write = |name: &str, text: &str| fs::write(desk.path(name), text).expect("written");
@@ -283,27 +286,37 @@ fn a_sandbox_is_not_left() {
     symlink(desk.path("out.obj"), desk.path("in/link.obj")).expect("linked");
     symlink("..", desk.path("in/up")).expect("linked");
     symlink("a.obj", desk.path("in/alias.obj")).expect("linked");
+    desk
+}
+
+/// The end of `render` of a scene in the yard that begins so and has these shapes, and what was told.
+#[cfg(unix)]
+fn yarded(desk: &Desk, (top, rest): (&str, &str), words: &[&str]) -> (i32, String) {
+    fs::write(desk.path("in/scene.toml"), format!("{top}{SCENE}{rest}")).expect("written");
+    let (status, _, log) = desk.run(&[&["render", "in/scene.toml", "-o", "a.exr", "-q"], words].concat());
+    (status, log)
+}
+
+fn mesh_of(file: &str) -> String {
+    shape(&format!("type = 'mesh'\nfile = '{file}'"))
+}
+
+#[cfg(unix)]
+#[test]
+fn a_sandbox_is_not_left() {
+    let desk = yard();
     let absolute = desk.path("out.obj").display().to_string();
-    let inside = desk.path("in/a.obj").canonicalize().expect("there").display().to_string();
-    let mesh = |file: &str| shape(&format!("type = 'mesh'\nfile = '{file}'"));
     let own = |file: &str| format!("[[shapes]]\ntype = 'mesh'\nfile = '{file}'\n");
-    let picture = picture_of;
-    let run = |top: &str, rest: &str, words: &[&str]| {
-        write("in/scene.toml", &format!("{top}{SCENE}{rest}"));
-        let all = [&["render", "in/scene.toml", "-o", "a.exr", "-q"], words].concat();
-        let (status, _, log) = desk.run(&all);
-        (status, log)
-    };
     let outside: [(&str, String, &str); 12] = [
         ("include = ['../out.toml']\n", String::new(), "in/scene.toml:1:12: "),
         ("include = ['sub/more.toml']\n", String::new(), "in/sub/more.toml:1:12: "),
         ("include = ['up/out.toml']\n", String::new(), "in/scene.toml:1:12: "),
-        ("", mesh("../out.obj"), "in/scene.toml:15:8: "),
-        ("", mesh(&absolute), "in/scene.toml:15:8: "),
-        ("", mesh("link.obj"), "in/scene.toml:15:8: "),
-        ("", mesh("up/out.obj"), "in/scene.toml:15:8: "),
-        ("", mesh("sub/../../out.obj"), "in/scene.toml:15:8: "),
-        ("", picture("../out.png"), "in/scene.toml:14:24: "),
+        ("", mesh_of("../out.obj"), "in/scene.toml:15:8: "),
+        ("", mesh_of(&absolute), "in/scene.toml:15:8: "),
+        ("", mesh_of("link.obj"), "in/scene.toml:15:8: "),
+        ("", mesh_of("up/out.obj"), "in/scene.toml:15:8: "),
+        ("", mesh_of("sub/../../out.obj"), "in/scene.toml:15:8: "),
+        ("", picture_of("../out.png"), "in/scene.toml:14:24: "),
         (
             "",
             format!("[[lights]]\ntype = 'mesh'\nradiance = 1\nfile = '{absolute}'\n"),
@@ -313,35 +326,43 @@ fn a_sandbox_is_not_left() {
         ("", own("map.obj"), "in/map.mtl:2: "),
     ];
     for (top, rest, place) in outside {
-        let (status, log) = run(top, &rest, &["--sandbox"]);
+        let (status, log) = yarded(&desk, (top, &rest), &["--sandbox"]);
         assert!(status == 2 && log.contains(place), "{top}{rest}: {status}, {log}");
         assert!(log.contains("lies outside of the scene's folder `in`; put it there"), "{top}{rest}: {log}");
-        let (status, log) = run(top, &rest, &[]);
+        let (status, log) = yarded(&desk, (top, &rest), &[]);
         assert_eq!(status, 0, "without a sandbox: {top}{rest}: {log}");
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_sandbox_has_all_that_lies_in_it_and_tells_nothing_of_the_rest() {
+    use std::os::unix::fs::symlink;
+    let desk = yard();
+    let inside = desk.path("in/a.obj").canonicalize().expect("there").display().to_string();
     // A picture that is missing is made up for; one that lies outside is not, be it there or not.
-    let (status, log) = run("", &picture("lost.png"), &["--sandbox"]);
+    let (status, log) = yarded(&desk, ("", &picture_of("lost.png")), &["--sandbox"]);
     assert!(status == 0 && log.contains("no such file") && log.contains("made gray"), "{status}, {log}");
     for file in ["../lost.png", "up/lost.png"] {
-        let (status, log) = run("", &picture(file), &["--sandbox"]);
+        let (status, log) = yarded(&desk, ("", &picture_of(file)), &["--sandbox"]);
         assert!(
             status == 2 && log.contains("lies outside") && !log.contains("no such file"),
             "{file}: {log}"
         );
     }
     // Nothing is told of what is outside, not even whether it is there.
-    let (_, log) = run("", &mesh("../lost.obj"), &["--sandbox"]);
+    let (_, log) = yarded(&desk, ("", &mesh_of("../lost.obj")), &["--sandbox"]);
     assert!(log.contains("lies outside") && !log.contains("no such file"), "{log}");
-    let (status, log) = run("", &mesh("a.obj"), &["--sandbox", "-D", "shapes.0.file=out.obj"]);
+    let (status, log) = yarded(&desk, ("", &mesh_of("a.obj")), &["--sandbox", "-D", "shapes.0.file=out.obj"]);
     assert!(status == 2 && log.contains("command line: ") && log.contains("lies outside"), "{log}");
     for file in ["a.obj", "alias.obj", "sub/../a.obj", "../in/a.obj", &inside] {
-        let (status, log) = run("include = ['sub/fine.toml']\n", &mesh(file), &["--sandbox"]);
+        let (status, log) = yarded(&desk, ("include = ['sub/fine.toml']\n", &mesh_of(file)), &["--sandbox"]);
         assert_eq!((status, log.as_str()), (0, ""), "{file}");
     }
     // The scene file itself may be a link, and what is written goes where it is to go.
-    run("", &mesh("a.obj"), &[]);
+    yarded(&desk, ("", &mesh_of("a.obj")), &[]);
     symlink(desk.path("in/scene.toml"), desk.path("in/sub/linked.toml")).expect("linked");
-    write("in/sub/a.obj", OBJ);
+    fs::write(desk.path("in/sub/a.obj"), OBJ).expect("written");
     let words = ["render", "in/sub/linked.toml", "--sandbox", "-o", "b.exr", "-q"];
     let (status, _, log) = desk.run(&words);
     assert_eq!((status, log.as_str()), (0, ""), "a linked scene");

@@ -126,7 +126,7 @@ fn mesh(data: &[u8], name: &str) {
         1 => Shading::from(Normals::Smooth),
         _ => Shading { normals: Normals::Smooth, crease_deg: 30.0 },
     };
-    let about = if data.len() % 2 == 0 { About::Needed } else { About::Middle };
+    let about = if data.len().is_multiple_of(2) { About::Needed } else { About::Middle };
     if let Ok(loaded) = decode_mesh(data.to_vec(), &stage.path(name), shading, about, &stage.trust) {
         assert!(!loaded.mesh.triangles().is_empty(), "a mesh has triangles");
         assert!(loaded.mesh.positions().iter().all(|p| p.is_finite()), "finite");
@@ -175,7 +175,10 @@ fn picture(data: &[u8], name: &str) {
         assert_eq!(gray.values.len(), gray.width as usize * gray.height as usize, "as many as it says");
     }
     if let Ok(decoded) = image::decode(data, name, &limits) {
-        assert!(decoded.image.pixels().iter().all(|p| p.r.is_finite() && p.g.is_finite() && p.b.is_finite()));
+        assert!(
+            decoded.image.pixels().iter().all(|p| p.r.is_finite() && p.g.is_finite() && p.b.is_finite()),
+            "no NaN passes"
+        );
         let _ = EnvironmentMap::new(decoded.image, 1.0, 0.0);
     }
 }
