@@ -272,6 +272,27 @@ fn a_viewer_that_comes_late_has_it_all() {
 }
 
 #[test]
+fn a_viewer_that_takes_the_place_of_one_that_went_has_it_all() {
+    let (listener, place) = listener();
+    let display =
+        specula::display::Display::start(&place, "again", [3, 2], Box::new(|_| {})).expect("a thread");
+    // Nothing is sent after the beginning until the end, so that nobody notices.
+    let (mut stream, _) = listener.accept().expect("a connection");
+    Message::read(&mut stream).expect("the picture begins");
+    drop(stream);
+    let received = receiver(listener);
+    thread::sleep(Duration::from_millis(300));
+    let film = Film::new([3, 2], Window::whole(3, 2), specula::film::Layout::default());
+    display.finish(&film);
+    let received = received.join().expect("received");
+    assert_eq!(
+        (received.name.as_str(), received.size, received.updates),
+        ("again", [3, 2], 1),
+        "the picture"
+    );
+}
+
+#[test]
 fn places_without_a_port_are_refused() {
     let desk = desk();
     let (status, _, log) = desk.run(&["render", "scene.toml", "-o", "a.exr", "--display", "localhost"]);

@@ -37,6 +37,18 @@ impl Link {
         Err(last)
     }
 
+    /// Whether the viewer has closed it.
+    pub(super) fn is_closed(&self) -> bool {
+        let peek = || {
+            self.stream.set_nonblocking(true)?;
+            let found = self.stream.peek(&mut [0]);
+            self.stream.set_nonblocking(false)?;
+            found
+        };
+        // Viewers say nothing: there is something to read only where there is an end.
+        peek().map_or_else(|error| error.kind() != ErrorKind::WouldBlock, |bytes| bytes == 0)
+    }
+
     /// Sends a message, however long the viewer takes, as long as anybody waits for it.
     pub(super) fn send(&mut self, message: &[u8]) -> io::Result<()> {
         let mut left = message;

@@ -97,7 +97,8 @@ impl Sender {
                 Next::Nothing => {}
                 Next::Tile(window, pixels) => self.send(window, &pixels),
                 Next::Last(window, pixels) => {
-                    // Somebody may have started the viewer just now.
+                    // Somebody may have started the viewer just now, or another one in place of one that went unnoticed.
+                    self.link = self.link.take().filter(|link| !link.is_closed());
                     if self.find() {
                         self.send_all(window, &pixels);
                     }
