@@ -1,8 +1,8 @@
-//! The words of `batch` and of `schema`.
+//! The words of `batch`.
 
 use std::path::PathBuf;
 
-use clap::{ValueEnum, ValueHint};
+use clap::ValueHint;
 
 use super::{LogArgs, TrustArgs};
 
@@ -65,21 +65,4 @@ pub struct BatchArgs {
     /// What is told on standard error.
     #[command(flatten)]
     pub log: LogArgs,
-}
-
-/// The file to describe.
-#[derive(Clone, Debug, clap::Args)]
-pub struct SchemaArgs {
-    /// What kind of file
-    #[arg(value_name = "FILE", default_value = "scene")]
-    pub of: SchemaOf,
-}
-
-/// A kind of file that users write.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum SchemaOf {
-    /// A scene
-    Scene,
-    /// Jobs for `specula batch`
-    Batch,
 }

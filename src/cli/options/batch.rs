@@ -4,7 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{Trusted, frames, given, threads, time};
+use super::trust::Trusted;
+use super::values::{MOST_THREADS, frames, given, threads, time};
 use crate::cli::args::BatchArgs;
 use crate::error::{Problems, Result};
 use crate::scene::description::Frames;
@@ -59,8 +60,8 @@ impl BatchOptions {
 }
 
 fn jobs(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
-    let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= super::MOST_THREADS);
-    let remedy = || format!("give a whole number from 1 to {}", super::MOST_THREADS);
+    let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
+    let remedy = || format!("give a whole number from 1 to {}", MOST_THREADS);
     given(number, ("jobs", text), "a number of pictures", remedy, problems)
 }
 

@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::files::{check_target, is_same, spare, twice};
 use super::trust::Trusted;
-use super::{check_target, is_same, on_command_line, spare, threads, twice, whole};
+use super::values::{on_command_line, threads, whole};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
 use crate::error::{Problem, Problems, Result};

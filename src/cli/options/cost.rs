@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::{RenderOptions, check_input, given, on_command_line, spare, time};
+use super::files::{check_input, spare};
+use super::render::RenderOptions;
+use super::values::{given, on_command_line, time};
 use crate::cli::args::RenderArgs;
 use crate::error::Problems;
 use crate::tradeoff::presets::Preset;

@@ -3,7 +3,9 @@
 use std::ffi::{OsStr, OsString};
 use std::path::{Component, Path, PathBuf};
 
-use super::{RenderOptions, given, is_part, on_command_line, rendered_paths, with_extension};
+use super::files::with_extension;
+use super::render::{RenderOptions, is_part, rendered_paths};
+use super::values::{given, on_command_line};
 use crate::cli::args::{FIRST_PASS, FarmCommonArgs, OpenJdArgs, RenderArgs, SlurmArgs};
 use crate::error::{Error, Problems, Result};
 

@@ -3,8 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
+use super::files::{Output, check_input, outputs, with_extension};
 use super::trust::limits;
-use super::{Output, check_input, on_command_line, outputs, threads, with_extension};
+use super::values::{on_command_line, threads};
 use crate::cli::args::FuzzyArgs;
 use crate::error::{Problems, Result};
 use crate::post::exponent_of_roughness;

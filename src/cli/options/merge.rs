@@ -2,8 +2,9 @@
 
 use std::path::PathBuf;
 
+use super::files::{Output, check_target, is_same, outputs, spare, twice};
 use super::trust::limits;
-use super::{Output, check_target, crop, is_same, outputs, spare, twice};
+use super::values::crop;
 use crate::cli::args::MergeArgs;
 use crate::error::{Problems, Result};
 use crate::film::Precision;

@@ -3,10 +3,9 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use super::{
-    Trusted, check_input, check_target, given, is_same, on_command_line, spare, target_error, threads, twice,
-    whole,
-};
+use super::files::{check_input, check_target, is_same, spare, twice};
+use super::trust::Trusted;
+use super::values::{given, on_command_line, target_error, threads, whole};
 use crate::cli::args::TradeoffArgs;
 use crate::error::{Problem, Problems, Result};
 use crate::scene::load::words::suggest;

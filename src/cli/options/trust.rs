@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{given, on_command_line};
+use super::values::{given, on_command_line};
 use crate::cli::args::{LimitsArgs, TrustArgs};
 use crate::error::{Problems, Result};
 use crate::scene::load::words::suggest;
