@@ -8,7 +8,7 @@
 Scenes: `cornell` and `glossyrow` of `peer-scenes` in the folder that `SPECULA_DATA` names; `glass`, the box of the first with a ball of glass and one of rough gold in it; and
 `landscape`, a million triangles under a picture of a sky and a square light. Contestants render each in turn, there and back, pass
 after pass, each pass with another seed. Time is CPU time of rendering alone: what Mitsuba compiles and loads, and what Specula loads and builds, is
-left out. Efficiency is 1 / (relMSE * CPU seconds), relMSE the mean of (x - r)(x - s) / (m^2 + 0.01) over pixels and channels, where r and s are two long
+left out. The rows with `--target-error` end by error instead of by a number of samples. Efficiency is 1 / (relMSE * CPU seconds), relMSE the mean of (x - r)(x - s) / (m^2 + 0.01) over pixels and channels, where r and s are two long
 pictures by Mitsuba with the mean m: their own noise cancels. It is told for the picture as it is, and averaged two by two. Bias is the mean of
 x - m over that of m. Shown are medians of times and means of errors over the passes, and in brackets half the distance between the quartiles.
 """
@@ -171,18 +171,24 @@ def cpu_seconds():
 
 
 def run_mitsuba(scene, spp, seed):
+    """CPU seconds, camera samples and the picture."""
     start = cpu_seconds()
     picture = np.array(mi.render(scene, spp=spp, seed=seed))
     dr.sync_thread()
-    return cpu_seconds() - start, picture[:, :, :3]
+    seconds = cpu_seconds() - start
+    # A sampler may take more than it is asked for.
+    counted = scene.sensors()[0].sampler().clone()
+    counted.set_sample_count(spp)
+    return seconds, SIZE * SIZE * counted.sample_count(), picture[:, :, :3]
 
 
-def run_specula(file, folder, spp, seed, settings):
+def run_specula(file, folder, seed, settings):
+    """CPU seconds, camera samples and the picture."""
     picture, stats = pathlib.Path(folder) / "picture.exr", pathlib.Path(folder) / "stats.json"
-    command = [SPECULA, "render", file, "-q", "-o", picture, "--stats", stats, "--spp", spp, "--seed", seed]
-    subprocess.run([str(word) for word in command + settings], check=True, stdout=subprocess.DEVNULL)
+    command = [SPECULA, "render", file, "-q", "-o", picture, "--stats", stats, "--seed", seed, *settings]
+    subprocess.run([str(word) for word in command], check=True, stdout=subprocess.DEVNULL)
     report = json.loads(stats.read_text())
-    return report["phases"]["render"]["cpu_s"], np.array(mi.Bitmap(str(picture)))[:, :, :3]
+    return report["phases"]["render"]["cpu_s"], report["samples"], np.array(mi.Bitmap(str(picture)))[:, :, :3]
 
 
 def halved(picture):
@@ -224,33 +230,34 @@ def main():
 def compete(name, folder, arguments):
     described_scene, spp = described(name, folder), arguments.spp
     file = specula_scene(name, described_scene, folder)
-    contestants, taken = {}, {}
+    contestants = {}
     for sampler in ["independent", "multijitter"]:
         scene = mitsuba_scene(described_scene, sampler)
         run_mitsuba(scene, spp, 1_000)
         contestants[f"mitsuba {sampler}"] = lambda seed, scene=scene: run_mitsuba(scene, spp, seed)
-        # A sampler may take more than it is asked for.
-        counted = scene.sensors()[0].sampler().clone()
-        counted.set_sample_count(spp)
-        taken[f"mitsuba {sampler}"] = counted.sample_count()
     long = arguments.reference_spp
     references = [
-        np.mean([run_mitsuba(scene, 64, seed + turn)[1] for turn in range(max(long // 64, 1))], axis=0, dtype=np.float64)
+        np.mean([run_mitsuba(scene, 64, seed + turn)[2] for turn in range(max(long // 64, 1))], axis=0, dtype=np.float64)
         for seed in [2_000, 3_000]
     ]
-    for sampler in ["independent", "sobol", "blue_noise"]:
-        settings = ["--sampler", sampler]
-        contestants[f"specula {sampler}"] = lambda seed, settings=settings: run_specula(file, folder, spp, seed, settings)
+    ways = {f"specula {sampler}": ["--sampler", sampler, "--spp", spp] for sampler in ["independent", "sobol", "blue_noise"]}
+    # As good as as many samples everywhere are: the error that Sobol's numbers leave is the target.
+    _, _, trial = run_specula(file, folder, 1_000, ways["specula sobol"])
+    target = f"{errors(trial, references)[0]:.3g}"
+    for sampler in ["sobol", "blue_noise"]:
+        ways[f"specula {sampler} --target-error {target}"] = ["--sampler", sampler, "--target-error", target]
+    for contestant, settings in ways.items():
+        contestants[contestant] = lambda seed, settings=settings: run_specula(file, folder, seed, settings)
     found = {contestant: [] for contestant in contestants}
     for turn in range(arguments.passes):
         order = list(contestants) if turn % 2 == 0 else list(contestants)[::-1]
         for contestant in order:
-            seconds, picture = contestants[contestant](turn)
-            found[contestant].append((seconds, *errors(picture, references)))
+            seconds, samples, picture = contestants[contestant](turn)
+            found[contestant].append((seconds, samples, *errors(picture, references)))
     rows = {}
     for contestant, runs in found.items():
-        rates = [SIZE * SIZE * taken.get(contestant, spp) / run[0] / 1e6 for run in runs]
-        whole, half, bias = (statistics.mean(run[i] for run in runs) for i in [1, 2, 3])
+        rates = [run[1] / run[0] / 1e6 for run in runs]
+        whole, half, bias = (statistics.mean(run[i] for run in runs) for i in [2, 3, 4])
         seconds = statistics.median(run[0] for run in runs)
         rows[contestant] = (rates, whole, half, bias, [1 / (error * seconds) for error in [whole, half]])
     best = [max(row[4][i] for contestant, row in rows.items() if contestant.startswith("mitsuba")) for i in [0, 1]]
