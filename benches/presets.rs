@@ -46,7 +46,11 @@ type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 fn main() -> Fallible<()> {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let is_bench = words.iter().any(|word| word == "--bench");
+    let is_kept = words.iter().any(|word| word == "--record");
     let wanted = words.iter().find(|word| !word.starts_with("--"));
+    if is_kept && (wanted.is_some() || !is_bench) {
+        return Err("a record is of all scenes: run it by `cargo bench`, without the name of one".into());
+    }
     let wants = |name: &str| wanted.is_none_or(|part| name.contains(part.as_str()));
     let mut scenes = Vec::new();
     let kinds: [(Kind, &[&str], &[_]); 2] =
@@ -74,7 +78,7 @@ fn main() -> Fallible<()> {
             }));
         }
     }
-    if words.iter().any(|word| word == "--record") {
+    if is_kept {
         write(scenes)?;
     }
     for kind in [Kind::Tree, Kind::Path] {

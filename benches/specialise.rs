@@ -192,6 +192,7 @@ fn duplicates() -> std::result::Result<(), Box<dyn std::error::Error>> {
         }
         bench.run(race);
     }
+    bench.finish()?;
     Ok(())
 }
 

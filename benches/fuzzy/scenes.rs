@@ -160,7 +160,8 @@ impl Reference {
     }
 }
 
-/// One half of a reference, kept in a file that is named after all that it depends on.
+/// One half of a reference, kept in a file that is named after all of the scene that it depends on: the folder is to be removed when lobes,
+/// lights or samplers change.
 fn half(name: &str, spp: u32, seed: u32) -> Result<Image> {
     let description = described(name, (&["render.glossy=lobe", &format!("render.seed={seed}")], spp))?;
     let file = file_of(name);

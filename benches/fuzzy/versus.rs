@@ -30,10 +30,13 @@ fn points(shots: &[Shot], class: usize) -> Option<Vec<[f64; 2]>> {
     (points.len() > 1).then_some(points)
 }
 
+/// Beyond the times that were measured, marked, by the slope of the nearest two.
 fn at_equal_time(mine: &Shot, shots: &[Shot], class: usize) -> Option<String> {
     let own = mine.errors[class].filter(|error| *error > 0.0)?;
-    let error = line(&points(shots, class)?, mine.seconds.ln()).exp();
-    Some(format!("{:.2}", error / own))
+    let (points, at) = (points(shots, class)?, mine.seconds.ln());
+    let is_measured = points[0][0] <= at && at <= points[points.len() - 1][0];
+    let mark = if is_measured { "" } else { "~" };
+    Some(format!("{mark}{:.2}", line(&points, at).exp() / own))
 }
 
 /// Where the error is never measured, how long the longest took, and a guess by the last slope.
@@ -44,7 +47,9 @@ fn at_equal_error(mine: &Shot, shots: &[Shot], class: usize) -> Option<String> {
     let turned: Vec<_> = points.iter().map(|&[x, y]| [y, x]).collect();
     let ratio = line(&turned, own.ln()).exp() / mine.seconds;
     if own.ln() >= least {
-        return Some(format!("{ratio:.1}"));
+        let greatest = points.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, f64::max);
+        let mark = if own.ln() <= greatest { "" } else { "~" };
+        return Some(format!("{mark}{ratio:.1}"));
     }
     let longest = points[points.len() - 1][0].exp() / mine.seconds;
     let guess = if ratio < 1e4 {
