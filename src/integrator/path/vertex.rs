@@ -96,7 +96,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
     #[inline(always)]
     fn run(self, isa: S) -> usize {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
-        let Wave { paths, shadows, guards, slots } = wave;
+        let Wave { paths, shadows, guards, slots, .. } = wave;
         let lanes = State::load(isa, (paths, at), around.lights.uses_normals());
         let mut met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
