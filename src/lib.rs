@@ -31,6 +31,9 @@
 //! how good they are, to [`measure::Comparison`]; whoever chooses a backend, to [`bench::Track`]; whoever chooses settings, to
 //! [`tradeoff::runs::Sweep`].
 
+// The document of statistics is one macro call with more keys than the usual depth allows.
+#![recursion_limit = "256"]
+
 pub mod accel;
 pub mod bench;
 pub mod bsdf;

@@ -6,7 +6,7 @@ mod scene;
 
 use scene::scene_of;
 use specula::image::{Image, Window};
-use specula::render::{Rendered, Settings, Silent, render};
+use specula::render::{Rendered, Settings, Silent, Slice, render};
 
 fn rendered(text: &str) -> Rendered {
     let rendered = render(&scene_of(text), &Settings::default(), &Silent).expect("a picture");
@@ -175,6 +175,49 @@ fn roulette_is_the_same_one_by_one() {
     let (single, stream) = (of("single"), of("stream"));
     // Paths that choose within rounding go elsewhere.
     assert!((single / stream - 1.0).abs() < 3e-3, "{single} and {stream}");
+}
+
+/// All depths, direct light alone, and by each strategy: one question beside several ways on.
+#[test]
+fn splitting_changes_no_mean() {
+    for keys in [
+        "max_depth = 24",
+        "max_depth = 2",
+        "max_depth = 3\n    direct = \"lights\"",
+        "max_depth = 3\n    direct = \"lobes\"",
+    ] {
+        let of = |spp: u32, splits: u32| {
+            let keys = format!("{keys}\n    path_splits = {splits}");
+            room(&keys)
+                .replace("spp = 128", &format!("spp = {spp}"))
+                .replace("    max_depth = 24\n    seed", "    seed")
+        };
+        same_mean(keys, [&of(128, 1), &of(48, 3)]);
+    }
+}
+
+/// Each camera ray is traced once, and lights are asked once where it ends.
+#[test]
+fn splitting_saves_camera_rays() {
+    let of =
+        |keys: &str| rendered(&room(keys).replace("SEED", "2").replace("max_depth = 24", "max_depth = 2"));
+    let [one, four] = ["path_splits = 1", "path_splits = 4"].map(|keys| of(keys).statistics.counters);
+    assert_eq!(one.camera, four.camera, "a ray a sample");
+    assert!(four.shadow < one.shadow + one.shadow / 20, "{one:?}, {four:?}");
+}
+
+#[test]
+fn splitting_is_the_same_one_by_one_and_in_slices() {
+    let of = |query: &str, slice: Option<Slice>| {
+        let keys = format!("query = \"{query}\"\n    path_splits = 5\n    sampler = \"blue_noise\"");
+        let settings = Settings { slice, ..Settings::default() };
+        let text = room(&keys).replace("SEED", "3").replace("spp = 128", "spp = 24");
+        sum(&render(&scene_of(&text), &settings, &Silent).expect("a picture").film.image())
+    };
+    let (single, stream) = (of("single", None), of("stream", None));
+    assert!((single / stream - 1.0).abs() < 3e-3, "{single} and {stream}");
+    let slices: f64 = (0..3).map(|index| of("stream", Some(Slice { index, of: 3 }))).sum();
+    assert!((slices / 3.0 / stream - 1.0).abs() < 1e-5, "{slices} and {stream}");
 }
 
 #[test]

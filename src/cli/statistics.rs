@@ -103,7 +103,11 @@ fn knobs(scene: &Scene) -> Vec<(&'static str, String)> {
     let (is_path, is_tree) = (settings.integrator == Integrator::Path, is_tree(settings));
     let of_paths = || {
         let choice = ChosenLights::of(scene).choice;
-        vec![("light_choice", choice.word().to_owned()), ("direct", settings.direct.word().to_owned())]
+        vec![
+            ("light_choice", choice.word().to_owned()),
+            ("direct", settings.direct.word().to_owned()),
+            ("path_splits", settings.path_splits.to_string()),
+        ]
     };
     let of_trees = || {
         vec![
@@ -175,6 +179,7 @@ fn counted(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times:
         "fresnel": settings.fresnel.word(),
         "glossy": settings.glossy.word(),
         "direct": (settings.integrator == Integrator::Path).then(|| settings.direct.word()),
+        "path_splits": (settings.integrator == Integrator::Path).then_some(settings.path_splits),
         "light_samples": is_tree.then(|| settings.light_samples()),
         "glossy_samples": is_tree.then(|| settings.glossy_samples()),
         "split_depth": is_tree.then_some(settings.split_depth),

@@ -214,9 +214,10 @@ pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendere
         }
         description::Integrator::Path => {
             let level = shading(plan.scene);
-            let path = Path::new(plan.scene, (plan.sampler, plan.seed), (level, way != Query::Packet))
+            let sampler = plan.sampler.times(settings.path_splits);
+            let path = Path::new(plan.scene, (sampler, plan.seed), (level, way != Query::Packet))
                 .splitting(plan.layout.splits());
-            let size = if way == Query::Single { 1 } else { BATCH };
+            let size = if way == Query::Single { 1 } else { (BATCH / settings.path_splits).max(1) };
             timed(plan, accel, &InBatches { path: &path, size })
         }
         description::Integrator::View => {

@@ -107,11 +107,13 @@ impl Iterator for Cursor {
     }
 }
 
-/// Lets the paths of the next samples begin, and notes what each counts. Their media are to be set where there are any.
+/// Lets the paths of the next samples begin, several of a sample along the same ray, and notes what each sample counts. Their media are to be set where there are any.
 pub(super) struct Begin<'a> {
     pub(super) plan: &'a Plan<'a>,
     /// Samples of a pixel each, by their first.
     pub(super) runs: &'a [(SampleId, u32)],
+    /// Paths of a sample.
+    pub(super) ways: u32,
     pub(super) wave: &'a mut Wave,
     pub(super) weights: &'a mut Vec<f32>,
 }
@@ -121,23 +123,31 @@ impl<S: Isa> Kernel<S> for Begin<'_> {
 
     #[inline(always)]
     fn run(self, isa: S) {
-        let Self { plan, runs, wave, weights } = self;
-        let samples = runs.iter().map(|(_, count)| *count as usize).sum();
-        wave.clear(samples);
+        let Self { plan, runs, ways, wave, weights } = self;
+        let paths = runs.iter().map(|(_, count)| *count as usize).sum::<usize>() * ways as usize;
+        wave.clear(paths, ways as usize);
         weights.clear();
-        weights.resize(samples + S::WIDTH, 0.0);
+        weights.resize(paths + S::WIDTH, 0.0);
         let mut to = 0;
         for &(first, count) in runs {
             let pixel = [isa.splat_u32(first.x), isa.splat_u32(first.y)];
+            let count = count * ways;
             for skipped in (0..count).step_by(S::WIDTH) {
-                let index = Wrapping::<u32>::wrapping_add(isa.iota(), first.index + skipped);
-                let sampler = plan.start(pixel, index);
+                let number = first.index * ways + skipped;
+                let index = Wrapping::<u32>::wrapping_add(isa.iota(), number);
+                let sampler = plan.start(
+                    pixel,
+                    if ways == 1 { index } else { isa.per_lane_u32(|lane| (number + lane as u32) / ways) },
+                );
                 let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
                 let taken = ((count - skipped) as usize).min(S::WIDTH);
                 weight.store(&mut weights[to..]);
                 wave.begin(isa, taken, (pixel, index), (o, d, time));
                 to += taken;
             }
+        }
+        if ways > 1 {
+            (1..paths / ways as usize).for_each(|sample| weights[sample] = weights[sample * ways as usize]);
         }
     }
 }

@@ -431,7 +431,8 @@ impl Engine for InBatches<'_> {
 impl InBatches<'_> {
     fn trace<A: Accel>(&self, work: &mut Work<'_, A>, batch: &mut Batch, counters: &mut Counters) {
         let Batch { runs, wave, weights, values } = batch;
-        self.path.level().run(Begin { plan: work.plan, runs, wave, weights });
+        let ways = self.path.ways();
+        self.path.level().run(Begin { plan: work.plan, runs, ways, wave, weights });
         if work.plan.scene.has_media() {
             wave.set_media(|time| work.eye.stage(time).eye_media);
         }

@@ -24,6 +24,16 @@ pub enum SamplerKind {
 }
 
 impl SamplerKind {
+    /// The same for so many times as many samples.
+    #[must_use]
+    pub fn times(self, ways: u32) -> Self {
+        match self {
+            Self::Independent | Self::OwenSobol => self,
+            Self::Stratified { spp } => Self::Stratified { spp: spp.saturating_mul(ways) },
+            Self::BlueNoise { spp } => Self::BlueNoise { spp: spp.saturating_mul(ways) },
+        }
+    }
+
     /// The numbers of sample `index` of a pixel.
     #[inline(always)]
     pub fn start<I: IntLanes>(self, seed: u32, pixel: [I; 2], index: I) -> AnySampler<I> {

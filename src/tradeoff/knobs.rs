@@ -183,6 +183,7 @@ const LIST: &[Knob] = &[
         ..knob("build_quality", "render.build_quality", &["low", "medium", "high"], Truth::Any)
     },
     Knob { idle: of_embree, ..knob("robust", "render.robust", &["false", "true"], Truth::Word("true")) },
+    Knob { idle: of_paths, ..knob("path_splits", "render.path_splits", &["1", "2", "4"], Truth::Any) },
     Knob { idle: of_paths, ..knob("roulette", "render.roulette", &["off", "3", "6"], Truth::Any) },
     Knob {
         idle: of_paths,

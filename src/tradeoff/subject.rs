@@ -154,6 +154,7 @@ pub fn is_built_alike(built: &Description, wanted: &Description) -> bool {
     to.light_samples = from.light_samples;
     to.glossy_samples = from.glossy_samples;
     to.split_depth = from.split_depth;
+    to.path_splits = from.path_splits;
     to.query = from.query;
     to.backend = from.backend;
     to.build_quality = from.build_quality;

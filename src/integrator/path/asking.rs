@@ -90,6 +90,13 @@ fn only_of<F: Lanes>(mask: F::Mask, [u, v]: [F; 2]) -> [F; 2] {
 }
 
 impl<S: Isa> Asked<S> {
+    /// The same for so many paths with the same vertex, of which only those of the mask ask.
+    #[inline(always)]
+    pub(super) fn for_all(self, mask: S::M, ways: f32) -> Self {
+        let part = 1.0 / ways;
+        Self { pdf: self.pdf * part, shared_pdf: self.shared_pdf * part, valid: self.valid & mask, ..self }
+    }
+
     #[inline(always)]
     fn select(mask: S::M, yes: Self, no: Self) -> Self {
         Self {

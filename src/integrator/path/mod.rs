@@ -12,6 +12,9 @@
 //!     trace the rays towards lights, add what arrives
 //! ```
 //!
+//! Several paths may begin with the same camera ray and part where it meets a surface. They are that many paths from the start, but the ray
+//! is traced once, and the first of them asks lights for all, with weights of one question beside that many ways on (Veach 1997, section 9.2.4).
+//!
 //! Light that reaches matt surfaces through glass is found by paths that meet the light by chance: rays towards lights end at
 //! glass.
 
@@ -49,6 +52,8 @@ pub struct Path {
     level: Level,
     /// Whether rays from surface to surface are traced as packets.
     bounces_in_packets: bool,
+    /// Paths that go on from what a camera ray meets first.
+    ways: u32,
     /// Whether direct light is told apart.
     splits: bool,
     /// The length from which paths may end at random.
@@ -78,10 +83,17 @@ impl Path {
             seed,
             level,
             bounces_in_packets,
+            ways: scene.render.path_splits,
             splits,
             roulette,
             limit,
         }
+    }
+
+    /// Paths of a sample, which have its camera ray in common: numbers are those of as many samples.
+    #[must_use]
+    pub fn ways(&self) -> u32 {
+        self.ways
     }
 
     /// The same, which tells direct light apart.
@@ -121,6 +133,7 @@ impl Path {
             limit: self.limit,
             coherence,
             bounces_in_packets: self.bounces_in_packets,
+            ways: self.ways,
             splits: self.splits,
             beam: stage.beam,
         };
@@ -144,11 +157,14 @@ fn follow<A: Accel, S: Isa, const N: usize>(
     counters: &mut Counters,
 ) {
     const { assert!(N == S::WIDTH, "a packet for each chunk of lanes") };
-    counters.camera += wave.paths.rays.len as u64;
+    counters.camera += wave.len() as u64;
     let mut vertex = Vertex::ROOT;
     let mut coherence = around.coherence;
     let mut packet = Packet::<N>::EMPTY;
     let mut beyond = Beyond { eta: [1.0; N], media: [Media::default(); N], changed: 0 };
+    if around.ways > 1 {
+        see(stage, wave, (&mut packet, coherence));
+    }
     for depth in 1..=around.max_depth {
         wave.shadows.rays.len = 0;
         wave.shadows.absorbed = 0;
@@ -159,7 +175,11 @@ fn follow<A: Accel, S: Isa, const N: usize>(
             let count = (len - at).min(N);
             let active = Active::first(count);
             wave.paths.packet(at, &mut packet);
-            if depth == 1 || around.bounces_in_packets {
+            if depth == 1 && around.ways > 1 {
+                for lane in 0..count {
+                    packet.set_hit(lane, wave.seen[(at + lane) / wave.ways].as_ref());
+                }
+            } else if depth == 1 || around.bounces_in_packets {
                 stage.accel.intersect_packet(&active, &mut packet, coherence);
             } else {
                 for lane in 0..count {
@@ -196,8 +216,27 @@ fn follow<A: Accel, S: Isa, const N: usize>(
         coherence = Coherence::Incoherent;
     }
     if around.limit.is_some() {
-        counters.clamped += wave.slots.clamped;
-        counters.unclamped += wave.slots.luminance();
+        // Each path is a part of its sample.
+        counters.clamped += wave.slots.clamped / f64::from(around.ways);
+        counters.unclamped += wave.slots.luminance() / f64::from(around.ways);
+    }
+}
+
+/// Traces each camera ray once, where several paths begin with it.
+fn see<A: Accel, const N: usize>(
+    stage: &Stage<'_, A>,
+    wave: &mut Wave,
+    (packet, coherence): (&mut Packet<N>, Coherence),
+) {
+    let samples = wave.len();
+    wave.seen.clear();
+    for at in (0..samples).step_by(N) {
+        let count = (samples - at).min(N);
+        for lane in 0..count {
+            packet.ray.set(lane, &wave.paths.rays.get((at + lane) * wave.ways));
+        }
+        stage.accel.intersect_packet(&Active::first(count), packet, coherence);
+        wave.seen.extend((0..count).map(|lane| packet.get_hit(lane)));
     }
 }
 

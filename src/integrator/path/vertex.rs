@@ -37,6 +37,8 @@ pub(super) struct Surroundings<'a> {
     /// Of the camera's rays.
     pub(super) coherence: Coherence,
     pub(super) bounces_in_packets: bool,
+    /// Paths that go on from what a camera ray meets first.
+    pub(super) ways: u32,
     /// Whether direct light is told apart.
     pub(super) splits: bool,
     /// Where surfaces show pictures: what the widths of rays follow from.
@@ -94,7 +96,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
     #[inline(always)]
     fn run(self, isa: S) -> usize {
         let Chunk { around, wave, counters, packet, at, count, to, depth, vertex, beyond } = self;
-        let Wave { paths, shadows, guards, slots } = wave;
+        let Wave { paths, shadows, guards, slots, .. } = wave;
         let lanes = State::load(isa, (paths, at), around.lights.uses_normals());
         let mut met = Met::of(isa, (around.scene, around.surfaces), packet, isa.first(count));
         escape(isa, around, slots, &lanes, isa.first(count) & !met.hit);
@@ -119,7 +121,11 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let pixel = [slots.pixel_of(isa, 0, lanes.slot), slots.pixel_of(isa, 1, lanes.slot)];
         let index = isa.gather_u32(slots.index.all(), lanes.slot);
         let sampler = around.sampler.start(around.seed, pixel, index);
-        let light = asked(isa, around, (&met, &shading), (&sampler, vertex));
+        let mut light = asked(isa, around, (&met, &shading), (&sampler, vertex));
+        let parts = depth == 1 && around.ways > 1;
+        if parts {
+            light = light.for_all(leads(isa, lanes.slot, around.ways), around.ways as f32);
+        }
         let choice =
             if around.surfaces.choices { sampler.get_1d(Dim::LobeChoice, vertex) } else { isa.splat(0.0) };
         let question = Question {
@@ -143,7 +149,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             found.step.valid = found.step.valid & !unshared;
             ask_sky(isa, (shadows, guards), &at, (&found.step, unshared));
         }
-        let next = go_on(isa, (guards, to), &at, found.step);
+        let mut next = go_on(isa, (guards, to), &at, found.step);
         counters.bounced += next.goes.count() as u64;
         if around.surfaces.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
@@ -151,9 +157,19 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if let (Some(beam), Some((cone, length))) = (around.beam, cone) {
             paths.widen(to, next.goes, beam.scattered(cone, length, next.pdf));
         }
+        if parts {
+            // As likely as that is the light of one question to be found by any of them.
+            next.pdf = next.pdf * around.ways as f32;
+        }
         let normals = if around.lights.uses_normals() { Some(shading.frame.z) } else { None };
         next.store(paths, to, (&lanes, normals))
     }
+}
+
+/// The lanes with the first of the paths of their sample.
+#[inline(always)]
+fn leads<S: Isa>(isa: S, slots: S::I, ways: u32) -> S::M {
+    isa.per_lane(|lane| if slots.extract(lane) % ways == 0 { 1.0 } else { 0.0 }).gt(0.0)
 }
 
 /// The lanes' paths.

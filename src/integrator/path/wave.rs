@@ -1,7 +1,7 @@
 //! Paths of a batch side by side, one array per component.
 
 use crate::accel::{Packet, RayPacket};
-use crate::geometry::Ray;
+use crate::geometry::{Hit, Ray};
 use crate::integrator::Radiance;
 use crate::integrator::cone::Cone;
 use crate::material::Media;
@@ -128,6 +128,11 @@ impl Rays {
         self.d.set(at, ray.d.into());
         self.time.0[at] = ray.time;
         self.slot.0[at] = slot;
+    }
+
+    /// One ray, to the end of the world.
+    pub(super) fn get(&self, at: usize) -> Ray {
+        Ray::new(self.o.get(at).into(), self.d.get(at).into()).at_time(self.time.0[at])
     }
 
     /// All lanes, to `at` and on.
@@ -272,7 +277,7 @@ pub(super) enum Guarded {
     Shadow(usize),
 }
 
-/// What is known of each camera sample of a batch.
+/// What is known of each path of a batch.
 #[derive(Debug, Default)]
 pub(super) struct Slots {
     pub(super) pixel: [Column<u32>; 2],
@@ -351,6 +356,10 @@ impl Slots {
 /// A batch of camera samples on their way. Memory is kept from batch to batch.
 #[derive(Debug, Default)]
 pub struct Wave {
+    /// Paths of a sample, one after the other.
+    pub(super) ways: usize,
+    /// What the camera rays have met; empty where each is that of one path.
+    pub(super) seen: Vec<Option<Hit>>,
     pub(super) paths: Paths,
     pub(super) shadows: Shadows,
     pub(super) guards: Guards,
@@ -358,8 +367,9 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Forgets the samples of the last batch and makes room for `len`.
-    pub fn clear(&mut self, len: usize) {
+    /// Forgets the samples of the last batch and makes room for `len` paths, so many of each sample.
+    pub fn clear(&mut self, len: usize, ways: usize) {
+        self.ways = ways;
         self.paths.reserve(len);
         // Towards a light, and at the last vertex also towards the environment.
         self.shadows.reserve(2 * len);
@@ -374,7 +384,7 @@ impl Wave {
         self.paths.rays.len = 0;
     }
 
-    /// Adds the first `count` samples of the lanes: pixels and indices, and their camera rays. They start in no medium.
+    /// Adds the first `count` paths of the lanes: pixels and indices, and their camera rays. They start in no medium.
     #[inline(always)]
     pub fn begin<S: Isa>(
         &mut self,
@@ -408,7 +418,7 @@ impl Wave {
     /// How many samples there are, on their way or at home.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.slots.sum.len()
+        self.slots.sum.len() / self.ways.max(1)
     }
 
     /// Whether there are none.
@@ -420,8 +430,15 @@ impl Wave {
     /// What sample number `i` of the batch has brought home.
     #[must_use]
     pub fn radiance(&self, i: usize) -> Radiance {
-        let color = self.slots.sum[i];
-        let direct = self.slots.direct.get(i).copied().unwrap_or(color);
-        Radiance { color, direct, alpha: if self.slots.met[i] { 1.0 } else { 0.0 } }
+        let first = i * self.ways;
+        let mean = |all: &[Rgb<f32>]| match &all[first..first + self.ways] {
+            [only] => *only,
+            several => {
+                several.iter().fold(Rgb::BLACK, |sum, &light| sum + light).scale(1.0 / self.ways as f32)
+            }
+        };
+        let color = mean(&self.slots.sum);
+        let direct = if self.slots.direct.is_empty() { color } else { mean(&self.slots.direct) };
+        Radiance { color, direct, alpha: if self.slots.met[first] { 1.0 } else { 0.0 } }
     }
 }

@@ -33,6 +33,8 @@ record! {
         glossy_samples: Option<u32>, min(1.0), max(65536.0);
         /// How many hits of the ray tree are first hits, counted from the camera along each way; later ones send one ray of each kind.
         split_depth: u32 = 1, min(0.0), max(64.0);
+        /// Paths that go on from what a camera ray meets first, each with a way of its own; lights are asked there once for all of them.
+        path_splits: u32 = 1, min(1.0), max(64.0);
         /// What finds hits.
         backend: Backend = Backend::Embree;
         /// How long Embree builds for the sake of fewer steps of rays.

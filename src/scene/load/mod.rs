@@ -122,21 +122,26 @@ fn warnings(description: &Description) -> Vec<Problem> {
     warnings
 }
 
-/// Knobs of the ray tree that are set where another integrator is to run.
+/// Knobs of how rays split that are set where another integrator is to run.
 fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
-    const KNOBS: [&str; 3] = ["light_samples", "glossy_samples", "split_depth"];
-    if matches!(integrator, Integrator::Whitted | Integrator::Distribution) {
-        return Vec::new();
-    }
+    let is_tree = matches!(integrator, Integrator::Whitted | Integrator::Distribution);
+    let of_trees: &[&str] = &["light_samples", "glossy_samples", "split_depth"];
+    let kinds = [
+        (is_tree, of_trees, "the ray tree", "`distribution` or `whitted`"),
+        (integrator == Integrator::Path, &["path_splits"], "paths", "`path`"),
+    ];
     let entries = tree.get("render").and_then(Node::entries).unwrap_or_default();
-    let idle = entries.iter().filter(|entry| KNOBS.contains(&entry.key.as_str()));
-    let warning = |entry: &Entry| {
-        let word = integrator.word();
-        let what = format!("`{}` is of the ray tree: the integrator `{word}` does not use it", entry.key);
-        report::told(&entry.node.spot, what)
-            .remedy("leave it out, or choose the integrator `distribution` or `whitted`")
+    let warnings = |(_, keys, whose, others): &(bool, &[&str], &str, &str)| {
+        let idle: Vec<&Entry> = entries.iter().filter(|entry| keys.contains(&entry.key.as_str())).collect();
+        let warning = |entry: &Entry| {
+            let word = integrator.word();
+            let what = format!("`{}` is of {whose}: the integrator `{word}` does not use it", entry.key);
+            report::told(&entry.node.spot, what)
+                .remedy(format!("leave it out, or choose the integrator {others}"))
+        };
+        idle.into_iter().map(warning).collect::<Vec<_>>()
     };
-    idle.map(warning).collect()
+    kinds.iter().filter(|(is_used, ..)| !is_used).flat_map(warnings).collect()
 }
 
 /// Hidden shapes that nothing shows.
