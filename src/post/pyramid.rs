@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn no_texel_has_normals_that_are_apart() {
         assert!(is_mixed([texel(0.0, 4.0); 4]), "a face");
-        // One of four, and a pixel beside sixteen times three of another face.
+        // One of four, also where it has a sixteenth of the pixels that each of the others has.
         for (at, m) in [(0, 4.0), (1, 4.0), (2, 4.0), (3, 4.0), (0, 0.25), (3, 0.25)] {
             for (chord, mixes) in [(0.199, true), (0.201, false), (0.225, false), (1.4, false)] {
                 let mut texels = [texel(0.0, 4.0); 4];
