@@ -143,31 +143,56 @@ pub fn render_on<A: Accel>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Silent;
+    use crate::accel::bvh;
+    use crate::render::{Silent, Statistics};
     use crate::scene;
     use crate::scene::description::{Backend, BuildQuality};
 
-    const SCENE: &str = "[film]\nwidth = 4\nheight = 2\n[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\n\
-        type = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1.0\n";
+    fn scene() -> Scene {
+        let text = "[film]\nwidth = 4\nheight = 2\n[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\n\
+            type = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1.0\n";
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).expect("written");
+        let loaded = scene::load(&path, &[]).expect("a scene file");
+        scene::build(&loaded.description).expect("a scene").scene
+    }
+
+    const ALL: [Backend; 4] = [Backend::Embree, Backend::Bvh2, Backend::CwBvh, Backend::Brute];
 
     #[test]
     fn a_hierarchy_serves_on_while_it_would_be_built_the_same() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.toml");
-        std::fs::write(&path, SCENE).expect("written");
-        let loaded = scene::load(&path, &[]).expect("a scene file");
-        let mut scene = scene::build(&loaded.description).expect("a scene").scene;
-        let mut studio = Studio::new(NonZeroUsize::new(1)).expect("threads");
+        let (mut scene, mut studio) = (scene(), Studio::new(NonZeroUsize::new(1)).expect("threads"));
         let mut is_built = |backend, build_quality| {
             (scene.render.backend, scene.render.build_quality) = (backend, build_quality);
             let picture = studio.render(&scene, &Settings::default(), &Silent, Kept::default());
             picture.expect("a picture").statistics.build != Phase::default()
         };
-        for backend in [Backend::Embree, Backend::Bvh2, Backend::CwBvh, Backend::Brute] {
+        for backend in ALL {
             assert!(is_built(backend, BuildQuality::Medium), "{backend:?}: the first");
             assert!(!is_built(backend, BuildQuality::Medium), "{backend:?}: the same");
             let asks = backend == Backend::Embree;
             assert_eq!(is_built(backend, BuildQuality::High), asks, "{backend:?}: of another quality");
+        }
+    }
+
+    #[test]
+    fn checkpoints_and_statistics_tell_one_name_with_its_version() {
+        let (mut scene, settings) =
+            (scene(), Settings { threads: NonZeroUsize::new(1), ..Settings::default() });
+        for backend in ALL {
+            scene.render.backend = backend;
+            let told = crate::render::backend(&scene).expect("a name");
+            let Statistics { backend: name, isa, .. } =
+                render(&scene, &settings, &Silent).expect("a picture").statistics;
+            match backend {
+                Backend::Embree => assert_eq!(told, format!("{name}, {isa}"), "Embree's kernels differ"),
+                Backend::Brute => assert_eq!((told.as_str(), name.as_str()), ("brute", "brute"), "ours"),
+                Backend::Bvh2 | Backend::CwBvh => {
+                    assert_eq!(told, name, "the same everywhere");
+                    assert!(told.ends_with(&format!(" (obvhs {})", bvh::VERSION)), "{told}");
+                }
+            }
         }
     }
 }
