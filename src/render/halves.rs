@@ -1,7 +1,8 @@
 //! The noise of a picture whose tiles all have the same samples, from what it was with some of them.
 //!
 //! Where time counts, how many samples there will be is not known before it is over, so the picture is copied whenever its samples have doubled;
-//! the last copy that is early enough serves (`noise.rs` says how). Without a limit of time there are two passes, and one copy. A picture that is gone on with has lost its copies and begins to make them anew.
+//! the last copy that is early enough serves (`noise.rs` says how). Without a limit of time there are two passes, and the copy after the first
+//! one serves. A picture that is gone on with has lost its copies and begins to make them anew.
 
 use crate::film::Film;
 use crate::render::noise::{Noise, Values};
