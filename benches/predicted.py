@@ -30,9 +30,18 @@ def run(*words):
 
 
 def main():
-    specula, scenes = Path(sys.argv[1]).resolve(), Path(__file__).resolve().parent.parent / "scenes"
-    folder = Path(sys.argv[2] if len(sys.argv) > 2 else tempfile.mkdtemp())
-    folder.mkdir(parents=True, exist_ok=True)
+    specula = Path(sys.argv[1]).resolve()
+    if len(sys.argv) > 2:
+        folder = Path(sys.argv[2])
+        folder.mkdir(parents=True, exist_ok=True)
+        table(specula, folder)
+    else:
+        with tempfile.TemporaryDirectory() as folder:
+            table(specula, Path(folder))
+
+
+def table(specula, folder):
+    scenes = Path(__file__).resolve().parent.parent / "scenes"
     print("| scene | asked | spp | relMSE predicted | found | ratio | CPU s predicted | found | ratio | s predicted | found |")
     print("|---|---|---|---|---|---|---|---|---|---|---|")
     for name, more in SCENES:

@@ -73,7 +73,7 @@ fn main() -> Fallible<()> {
             }
             scenes.push(json!({
                 "scene": name,
-                "kind": word(kind),
+                "kind": kind.word(),
                 "curves": curves.iter().map(presets::curve_to_json).collect::<Vec<_>>(),
             }));
         }
@@ -84,7 +84,7 @@ fn main() -> Fallible<()> {
     for kind in [Kind::Tree, Kind::Path] {
         for preset in Preset::ALL {
             if let Some(it) = presets::advice(kind, preset.target(), &|_| true) {
-                let (what, set) = (format!("{} {}", word(kind), preset.word()), it.set);
+                let (what, set) = (format!("{} {}", kind.word(), preset.word()), it.set);
                 println!(
                     "{what}: {set:?}, {:.2} of the time, slope {:.2}, {} scenes",
                     it.gain, it.slope, it.scenes
@@ -95,16 +95,9 @@ fn main() -> Fallible<()> {
     Ok(())
 }
 
-fn word(kind: Kind) -> &'static str {
-    match kind {
-        Kind::Tree => "tree",
-        Kind::Path => "path",
-    }
-}
-
 /// The curves of a scene, named by what differs from what it says.
 fn measured(name: &str, kind: Kind, knobs: &[(&str, &[&str])], coarser: u32) -> Fallible<Vec<Curve>> {
-    println!("{} {name}", word(kind));
+    println!("{} {name}", kind.word());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
     let mut overrides =
         vec![format!("film.width={}", SIZE[0] / coarser), format!("film.height={}", SIZE[1] / coarser)];

@@ -63,7 +63,7 @@ def run(words, watch=None):
     said = []
     reader = threading.Thread(target=lambda: said.append(child.stdout.read()))
     reader.start()
-    while watch and child.returncode is None and os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
+    while watch and os.waitid(os.P_PID, child.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is None:
         watch(child.pid)
         time.sleep(0.005)
     _, status, usage = os.wait4(child.pid, 0)

@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use super::frozen::Frozen;
 use super::options::{Cost, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
-use crate::render::{self, Progress, Rendered};
+use crate::render::{self, Progress, Rendered, Studio};
 use crate::scene::{self, description::Sampler};
 use crate::tradeoff::curve::Curve;
 use crate::tradeoff::kept::Kept;
@@ -41,12 +41,13 @@ const LOOK: f64 = 0.05;
 /// What a first look may take in seconds where there is no budget.
 const LOOK_S: f64 = 60.0;
 
-/// Chooses settings where somebody is to: the scene then has them, as the options do. Time counts since `start`.
+/// Chooses settings where somebody is to: the scene then has them, as the options do. Time counts since `start`. Where that takes a
+/// look at the scene, the studio then has its hierarchy.
 pub(super) fn settle(
     options: &mut RenderOptions,
     frozen: Frozen,
     start: Instant,
-    progress: &dyn Progress,
+    (studio, progress): (&mut Studio, &dyn Progress),
 ) -> Result<(Frozen, Option<Prediction>)> {
     let Some(cost) = options.cost.clone() else { return Ok((frozen, None)) };
     let Some(kind) = Kind::of(frozen.scene.render.integrator) else {
@@ -57,8 +58,10 @@ pub(super) fn settle(
         return Err(problem.remedy("leave out --preset and --budget").into());
     };
     let (frozen, prediction) = match &cost {
-        Cost::Preset(preset) => by_preset(options, frozen, (*preset, start, kind), progress)?,
-        Cost::Budget { time, runs: None } => by_look(options, frozen, (*time, start, kind), progress)?,
+        Cost::Preset(preset) => by_preset(options, frozen, (*preset, start, kind), (studio, progress))?,
+        Cost::Budget { time, runs: None } => {
+            by_look(options, frozen, (*time, start, kind), (studio, progress))?
+        }
         Cost::Budget { time, runs: Some(path) } => by_runs(options, frozen, (*time, start), path)?,
     };
     if let Cost::Budget { time, .. } = cost {
@@ -138,18 +141,18 @@ fn by_preset(
     options: &mut RenderOptions,
     frozen: Frozen,
     (preset, start, kind): (Preset, Instant, Kind),
-    progress: &dyn Progress,
+    (studio, progress): (&mut Studio, &dyn Progress),
 ) -> Result<(Frozen, Prediction)> {
     let advice = presets::advice(kind, preset.target(), &|_| true).unwrap_or_else(plain);
     let mut frozen = turn(options, frozen, &advice.set)?;
-    let (look, curve) = look(options, &mut frozen, &advice, (LOOK_S, progress))?;
+    let (look, curve) = look(options, &mut frozen, &advice, (LOOK_S, studio, progress))?;
     let spp = rounded(curve.samples_for(preset.target().max(curve.bias2 * 2.0)).unwrap_or(1.0));
     let mut set = advice.set;
     let frozen = turn(options, frozen, &[("render.spp".to_owned(), spp.to_string())])?;
     let spp = f64::from(frozen.scene.render.spp());
     let cpu_s = curve.time(spp);
     set.retain(|(key, _)| !is_of_samples(key));
-    let wall_s = (start.elapsed() + look.build.wall).as_secs_f64() + cpu_s / threads(options);
+    let wall_s = start.elapsed().as_secs_f64() + cpu_s / threads(options);
     let by = format!("preset {}, after a look of {:.1} s", preset.word(), look.spent.wall.as_secs_f64());
     let asked = json!({ "preset": preset.word(), "relmse": preset.target() });
     Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse: curve.error(spp) }))
@@ -160,14 +163,15 @@ fn look(
     options: &RenderOptions,
     frozen: &mut Frozen,
     advice: &Advice,
-    (most_s, progress): (f64, &dyn Progress),
+    (most_s, studio, progress): (f64, &mut Studio, &dyn Progress),
 ) -> Result<(Pilot, Curve)> {
-    let pilot = Pilot::of(&mut frozen.scene, options.threads, most_s, progress)?;
+    let pilot = Pilot::of(&mut frozen.scene, studio, most_s, progress)?;
     let curve = pilot.curve(advice.slope, advice.bias2).ok_or_else(no_look)?;
     Ok((pilot, curve.larger(part(options, frozen))))
 }
 
-/// Whole packets where there are many: those are traced fastest.
+/// Whole packets where there are many: those are traced fastest. Fewer than two packets are not cut in two, so their error is not estimated
+/// (see [`Limits`](render::Limits)).
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "cut at both ends")]
 fn rounded(spp: f64) -> u32 {
     let spp = spp.ceil().clamp(1.0, 16_777_216.0) as u32;
@@ -196,30 +200,28 @@ fn by_look(
     options: &mut RenderOptions,
     frozen: Frozen,
     (time, start, kind): (Duration, Instant, Kind),
-    progress: &dyn Progress,
+    (studio, progress): (&mut Studio, &dyn Progress),
 ) -> Result<(Frozen, Prediction)> {
     let all_s = time.as_secs_f64() * threads(options);
     let left = |start: Instant| time.saturating_sub(start.elapsed()).as_secs_f64();
     // As the scene is, to see which error there is time for; then with what reaches that one soonest.
     let mut frozen = frozen;
-    let (first, curve) = look(options, &mut frozen, &plain(), (LOOK * all_s / 2.0, progress))?;
+    let (first, curve) = look(options, &mut frozen, &plain(), (LOOK * all_s / 2.0, studio, progress))?;
     let error = curve.error(curve.samples_in(left(start) * threads(options)).max(1.0));
     let advice = presets::advice(kind, error, &suits_budgets).unwrap_or_else(plain);
     let set = advice.set.clone();
     let mut frozen = turn(options, frozen, &[&[endless()], &set[..]].concat())?;
-    let (look, curve) = if set.is_empty() {
-        let curve =
-            first.curve(advice.slope, advice.bias2).ok_or_else(no_look)?.larger(part(options, &frozen));
-        (first, curve)
+    let curve = if set.is_empty() {
+        first.curve(advice.slope, advice.bias2).ok_or_else(no_look)?.larger(part(options, &frozen))
     } else {
-        look(options, &mut frozen, &advice, (LOOK * all_s / 2.0, progress))?
+        look(options, &mut frozen, &advice, (LOOK * all_s / 2.0, studio, progress))?.1
     };
-    let cpu_s = USED * (left(start) - look.build.wall.as_secs_f64()).max(0.0) * threads(options);
+    let cpu_s = USED * left(start) * threads(options);
     let spp = curve.samples_in(cpu_s).clamp(1.0, f64::from(frozen.scene.render.spp()));
     let by = "budget, after a look at some pixels".to_owned();
     let asked = json!({ "budget_s": time.as_secs_f64() });
     let (cpu_s, relmse) = (curve.time(spp), curve.error(spp));
-    let wall_s = start.elapsed().as_secs_f64() + look.build.wall.as_secs_f64() + cpu_s / threads(options);
+    let wall_s = start.elapsed().as_secs_f64() + cpu_s / threads(options);
     Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse }))
 }
 

@@ -81,7 +81,7 @@ impl Stage {
         progress: &dyn Progress,
     ) -> Result<Option<Prediction>> {
         let Some(Last { frozen, files }) = self.last.take() else { return Err(gone()) };
-        let (frozen, prediction) = cost::settle(options, frozen, start, progress)?;
+        let (frozen, prediction) = cost::settle(options, frozen, start, (&mut self.studio, progress))?;
         self.last = Some(Last { frozen, files });
         Ok(prediction)
     }

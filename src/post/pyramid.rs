@@ -78,9 +78,10 @@ fn halved(finer: &Field, key: ((u32, bool), f32), extent: Extent) -> Field {
     Field::of_texels(extent, !finer.area[0].is_empty(), |at| mean(finer, key, at))
 }
 
-/// The mean of four texels, as far as they are of the reflector; nothing if they are of faces that do not mix.
+/// The mean of four texels, as far as they are of the reflector; nothing if any two of them are of faces that do not mix.
 fn mean(finer: &Field, ((id, ends), apart): ((u32, bool), f32), [x, y]: [u32; 2]) -> Values {
     let mut sum = Values::default();
+    let (mut normals, mut count) = ([[0.0; 3]; 4], 0);
     let add = |to: &mut [f32; 3], from: [f32; 3], by: f32| {
         to.iter_mut().zip(from).for_each(|(to, from)| *to += by * from);
     };
@@ -89,6 +90,11 @@ fn mean(finer: &Field, ((id, ends), apart): ((u32, bool), f32), [x, y]: [u32; 2]
         if texel.id != id || (texel.h > 0.0) != ends {
             continue;
         }
+        if normals[..count].iter().any(|&n| chord2(n, texel.n) > apart) {
+            return Values::default();
+        }
+        normals[count] = texel.n;
+        count += 1;
         sum.m += texel.m;
         add(&mut sum.b, texel.b, texel.m);
         add(&mut sum.l, texel.l, texel.m);
@@ -100,11 +106,6 @@ fn mean(finer: &Field, ((id, ends), apart): ((u32, bool), f32), [x, y]: [u32; 2]
     }
     let scaled = |v: [f32; 3], by: f32| v.map(|x| x * by);
     let length = sum.n.iter().map(|x| x * x).sum::<f32>().sqrt();
-    // The mean of two unit normals has the cosine of half the angle between them for its length, of which the chord is twice the sine; rounding
-    // takes a little from those that are equal.
-    if 4.0 * (1.0 - (length / sum.m).powi(2)) > apart + 1e-5 {
-        return Values::default();
-    }
     Values {
         b: scaled(sum.b, sum.m.recip()),
         h: f32::from(u8::from(ends)),
@@ -112,5 +113,52 @@ fn mean(finer: &Field, ((id, ends), apart): ((u32, bool), f32), [x, y]: [u32; 2]
         n: scaled(sum.n, length.max(1e-30).recip()),
         id,
         ..sum
+    }
+}
+
+/// The square of the chord between two normals.
+fn chord2(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A texel of so many pixels whose normal is off by a chord.
+    fn texel(chord: f32, m: f32) -> Values {
+        let angle = 2.0 * (chord / 2.0).asin();
+        Values {
+            b: [0.0, 0.0, 1.0],
+            h: 1.0,
+            l: [1.0; 3],
+            n: [angle.sin(), 0.0, angle.cos()],
+            m,
+            id: 1,
+            ..Values::default()
+        }
+    }
+
+    /// Whether four texels have a mean where normals are apart beyond a chord of 0.2.
+    fn is_mixed(texels: [Values; 4]) -> bool {
+        let of = |[x, y]: [u32; 2]| texels[(2 * y + x) as usize];
+        let field = Field::of_texels([[0, 0], [2, 2]], false, of);
+        mean(&field, ((1, true), 0.2 * 0.2), [0, 0]).id == 1
+    }
+
+    #[test]
+    fn no_texel_has_normals_that_are_apart() {
+        assert!(is_mixed([texel(0.0, 4.0); 4]), "a face");
+        // One of four, also where it has a sixteenth of the pixels that each of the others has.
+        for (at, m) in [(0, 4.0), (1, 4.0), (2, 4.0), (3, 4.0), (0, 0.25), (3, 0.25)] {
+            for (chord, mixes) in [(0.199, true), (0.201, false), (0.225, false), (1.4, false)] {
+                let mut texels = [texel(0.0, 4.0); 4];
+                texels[at] = texel(chord, m);
+                assert_eq!(is_mixed(texels), mixes, "{at} of {m} by {chord}");
+            }
+        }
+        // Each is near the first, but not near each other.
+        let bent = [texel(0.0, 4.0), texel(0.15, 4.0), texel(-0.15, 4.0), texel(0.0, 4.0)];
+        assert!(!is_mixed(bent), "bent both ways");
     }
 }

@@ -19,7 +19,7 @@ pub(super) struct Course {
     even: Schedule,
     /// With a target for the error.
     adaptive: Option<Adaptive>,
-    /// Where the error of a picture that time ends is to be known: what it was before.
+    /// Where the error is to be known though it ends nothing: what the picture was before.
     halves: Option<Halves>,
     /// Seconds that a sample of a pixel takes.
     pace: Option<f64>,

@@ -1,105 +1,24 @@
-//! From what a user chose to the types that do it: the only place that knows both.
+//! From settings to what takes samples: the plan of a picture, and its integrator. `hierarchies.rs` does the same for what finds hits.
 
 use crate::accel::Accel;
-use crate::accel::bvh::{BvhAccel, Hierarchy, Options};
-use crate::accel::embree::{BuildOptions, Config, Device, EmbreeAccel, EmbreeError, Quality, SceneOptions};
-use crate::error::{Error, Place, Problem, Result};
+use crate::error::{Problem, Result};
 use crate::film::{Filter, FilterShape};
-use crate::geometry::World;
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
 use crate::render::query::{query, shading};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
-use crate::render::{Checkpoint, Keeper, Outline, Progress, Rendered, Settings, Slice, Statistics, Studio};
+use crate::render::{Outline, Progress, Rendered, Settings, Slice, Statistics};
 use crate::sampling::SamplerKind;
 use crate::scene::description::Query;
-use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, description};
-use std::fmt;
-use std::io::Read;
-use std::num::{NonZeroU32, NonZeroUsize};
-use std::ops::{ControlFlow, Range};
-use std::sync::{Arc, Mutex};
-use std::thread;
+use std::ops::Range;
+use std::sync::Mutex;
 use std::time::Instant;
 
-/// Renders a scene: builds the hierarchy, then takes all samples.
-///
-/// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
-pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
-    render_kept(scene, settings, progress, Kept::default())
-}
-
-/// A copy that was kept, and what it is called.
-pub type Begin<'a> = (Checkpoint<Box<dyn Read + 'a>>, Place);
-
-/// A picture that is not begun from nothing, or of which copies are kept.
-#[derive(Default)]
-pub struct Kept<'a> {
-    /// A copy of the same picture, from which it goes on.
-    pub begin: Option<Begin<'a>>,
-    /// Who keeps copies.
-    pub keeper: Option<&'a dyn Keeper>,
-}
-
-impl fmt::Debug for Kept<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Kept").field("begin", &self.begin.is_some()).finish_non_exhaustive()
-    }
-}
-
-/// Renders a scene as [`render`] does, from where it was left, and keeps copies from which it can go on: the picture is that of one go,
-/// to the bit.
-///
-/// Fails as [`render`] does, and if the copy cannot be read or the last one cannot be kept.
-pub fn render_kept(
-    scene: &Scene,
-    settings: &Settings,
-    progress: &dyn Progress,
-    kept: Kept<'_>,
-) -> Result<Rendered> {
-    Studio::new(settings.threads)?.render(scene, settings, progress, kept)
-}
-
-/// What finds hits for a scene, as far as pixels depend on it: Embree's kernels of other versions and instruction sets meet edges elsewhere,
-/// hierarchies of our own give the same answers on every machine.
-pub fn backend(scene: &Scene) -> Result<String> {
-    Ok(match scene.render.backend {
-        description::Backend::Embree => {
-            let device = Device::new(Config { threads: NonZeroU32::new(1), ..Config::from_env() });
-            let device =
-                device.map_err(|error| Error::Backend { backend: "embree", what: error.to_string() })?;
-            format!("embree {}, {}", device.version(), device.isa().map_or("unknown", |isa| isa.name()))
-        }
-        other => other.word().to_owned(),
-    })
-}
-
-/// Renders parts of a scene's picture on one hierarchy, one after the other: each is that part of the whole, bit for bit.
-///
-/// Fails as [`render`] does.
-pub fn render_crops(
-    scene: &Scene,
-    settings: &Settings,
-    crops: &[Window],
-    progress: &dyn Progress,
-) -> Result<Vec<Rendered>> {
-    let mut studio = Studio::new(settings.threads)?;
-    let of = |&crop: &Window| {
-        let settings = Settings { crop: Some(crop), ..settings.clone() };
-        studio.render(scene, &settings, progress, Kept::default())
-    };
-    let mut rendered: Vec<Rendered> = crops.iter().map(of).collect::<Result<_>>()?;
-    // Built once, for all of them.
-    if let Some(build) = rendered.first().map(|first| first.statistics.build) {
-        rendered.iter_mut().for_each(|each| each.statistics.build = build);
-    }
-    Ok(rendered)
-}
-
-/// Which part of its picture a scene with these settings gives. Fails as [`render`] does, where settings are wrong.
+/// Which part of its picture a scene with these settings gives. Fails as [`render`](crate::render::render) does, where settings are
+/// wrong.
 pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
     let spp = most(scene, settings);
     Ok(Outline {
@@ -112,22 +31,7 @@ pub fn outline(scene: &Scene, settings: &Settings) -> Result<Outline> {
     })
 }
 
-/// Renders a scene with something that finds hits in its world, whatever backend the scene names.
-///
-/// Fails as [`render`] does.
-pub fn render_on<A: Accel>(
-    scene: &Scene,
-    settings: &Settings,
-    accel: &A,
-    progress: &dyn Progress,
-) -> Result<Rendered> {
-    let plan = plan(scene, settings, (progress, false))?;
-    let (threads, pool) = pool(settings.threads)?;
-    let mut rendered = pool.install(|| with_accel(&plan, accel))?;
-    rendered.statistics.threads = threads;
-    Ok(rendered)
-}
-
+/// The plan of a picture, whose first sample is yet to be taken; `is_kept` where copies of it are, or it goes on from one.
 pub(super) fn plan<'a>(
     scene: &'a Scene,
     settings: &Settings,
@@ -157,47 +61,7 @@ pub(super) fn plan<'a>(
     })
 }
 
-/// Threads that render, and how many.
-pub(super) fn pool(threads: Option<NonZeroUsize>) -> Result<(usize, rayon::ThreadPool)> {
-    let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .thread_name(|i| format!("render {i}"))
-        .build()
-        .map_err(|error| Error::Backend { backend: "threads", what: error.to_string() })?;
-    Ok((threads, pool))
-}
-
-pub(super) fn embree(scene: &Scene, threads: usize, progress: &dyn Progress) -> Result<EmbreeAccel> {
-    let threads = u32::try_from(threads).ok().and_then(NonZeroU32::new);
-    let quality = match scene.render.build_quality {
-        description::BuildQuality::Low => Quality::Low,
-        description::BuildQuality::Medium => Quality::Medium,
-        description::BuildQuality::High => Quality::High,
-    };
-    let robust = scene.uses(Capability::RobustTraversal);
-    let options = BuildOptions {
-        device: Config { threads, ..Config::from_env() },
-        scene: SceneOptions { quality, robust, ..SceneOptions::default() },
-    };
-    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    EmbreeAccel::build_with(&scene.world, &options, &go_on).map_err(|error| match error {
-        EmbreeError::Cancelled => Error::Interrupted,
-        other => Error::Backend { backend: "embree", what: other.to_string() },
-    })
-}
-
-/// A hierarchy built on these threads.
-pub(super) fn hierarchy<H: Hierarchy>(
-    world: &Arc<World>,
-    pool: &rayon::ThreadPool,
-    progress: &dyn Progress,
-) -> Result<BvhAccel<H>> {
-    let go_on = |_| if progress.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-    let accel = pool.install(|| BvhAccel::<H>::build_with(world, &Options::default(), &go_on));
-    accel.ok_or(Error::Interrupted)
-}
-
+/// Takes all samples, on the threads of the current pool.
 pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendered> {
     let settings = &plan.scene.render;
     let &description::Render { max_depth, min_throughput, split_depth: hits, .. } = settings;

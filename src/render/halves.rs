@@ -1,7 +1,8 @@
 //! The noise of a picture whose tiles all have the same samples, from what it was with some of them.
 //!
-//! How many samples there will be is not known before time is over, so the picture is copied whenever its samples have doubled; the last copy
-//! that is early enough serves (`noise.rs` says how). A picture that is gone on with has lost its copies and begins to make them anew.
+//! Where time counts, how many samples there will be is not known before it is over, so the picture is copied whenever its samples have doubled;
+//! the last copy that is early enough serves (`noise.rs` says how). Without a limit of time there are two passes, and the copy after the first
+//! one serves. A picture that is gone on with has lost its copies and begins to make them anew.
 
 use crate::film::Film;
 use crate::render::noise::{Noise, Values};
@@ -38,9 +39,14 @@ impl Halves {
 
     /// That of the picture; `None` where there is nothing to compare it with.
     pub(super) fn noise(&self, film: &Film) -> Option<Noise> {
-        let is_early = |taken: u32| f64::from(taken) <= EARLY * f64::from(self.taken);
-        let (early, before) = self.copies.iter().rev().find(|(taken, _)| is_early(*taken))?;
+        let (early, before) = self.early()?;
         Some(Noise::of(&film.values(film.window()), before, [*early, self.taken]))
+    }
+
+    /// The last copy that is early enough.
+    fn early(&self) -> Option<&(u32, Values)> {
+        let is_early = |taken: u32| f64::from(taken) <= EARLY * f64::from(self.taken);
+        self.copies.iter().rev().find(|(taken, _)| is_early(*taken))
     }
 }
 
@@ -54,10 +60,7 @@ mod tests {
     fn the_copy_is_neither_too_early_nor_too_late() {
         let film = Film::new([1, 1], Window::whole(1, 1), Layout::default());
         let mut halves = Halves::default();
-        let early = |halves: &Halves| {
-            let is_early = |taken: u32| f64::from(taken) <= EARLY * f64::from(halves.taken);
-            halves.copies.iter().rev().map(|(taken, _)| *taken).find(|taken| is_early(*taken))
-        };
+        let early = |halves: &Halves| halves.early().map(|(taken, _)| *taken);
         let mut taken = 0;
         for (end, wanted) in
             [(1, None), (4, Some(1)), (5, Some(1)), (6, Some(4)), (9, Some(4)), (12, Some(9)), (40, Some(9))]

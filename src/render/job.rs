@@ -92,7 +92,7 @@ pub struct Statistics {
     pub samples: u64,
     /// What ended the picture.
     pub ended: Ended,
-    /// How far the picture is from an endless one; where that was to end it and could be estimated.
+    /// How far the picture is from an endless one; where that was asked for and could be estimated ([`Limits`] says when).
     pub estimate: Option<Estimate>,
     /// Building the hierarchy.
     pub build: Phase,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-/// What ends a picture before it has all samples. Without any of these it is made in one go.
+/// What ends a picture before it has all samples; without any of these it has them all.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Limits {
     /// How long building and tracing may take by the clock. One sample of each pixel is taken in any case.
@@ -10,7 +10,12 @@ pub struct Limits {
     /// The relMSE that is good enough, as `specula diff` measures it against an endless picture: the picture ends when it is below with a
     /// probability of 95 %, by an estimate from its own samples. Tiles then get as many samples each as it takes.
     pub error: Option<f64>,
-    /// Whether the error of a picture that time ends is estimated, too; that of one which the error is to end is in any case.
+    /// Whether the error of other pictures is estimated, too; that of one which the error is to end is in any case. The picture is
+    /// compared with what it was before: after a half of its samples, or, where time counts, after a third to three quarters or so.
+    ///
+    /// There is no estimate where there was no such picture: without a limit of time, below 32 samples, of a number of samples that is no
+    /// multiple of 16, and of later slices, all of which are taken in one pass; with one, of pictures of one pass; after a resume, unless a
+    /// quarter of all samples or more come after the first pass from then on; and of pictures whose reflections are filtered.
     pub is_estimated: bool,
 }
 

@@ -1,7 +1,8 @@
 //! Which samples are taken next, and when it is enough.
 //!
-//! A picture without limits is one pass. With a limit of time it is made in passes over all tiles, so that all pixels have the same
-//! number of samples when time is over; no pass is begun that would not end in time by the pace of the one before.
+//! A picture without limits is one pass, or two of whole packets where its error is to be estimated. With a limit of time it is made in
+//! passes over all tiles, so that all pixels have the same number of samples when time is over; no pass is begun that would not end in time
+//! by the pace of the one before.
 //!
 //! How many samples there will be is not known beforehand, yet a picture that was ended at N samples is to be that of N samples, bit for
 //! bit. Sums go on where they were left; what is left is how camera rays are traced, in packets of one pixel where all samples

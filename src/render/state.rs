@@ -132,6 +132,10 @@ impl<R: Read> Checkpoint<R> {
             }
             let failed = |error: io::Error| error.to_string();
             film.read(things, from).map_err(failed)?;
+            // Where samples go on is told by these.
+            if film.samples_of_pixels()[1] as usize > samples.len() {
+                return Err(odd());
+            }
             let shares: Vec<u32> = read_numbers(from, 3 * shares).map_err(failed)?;
             let share = |&[tile, start, end]: &[u32; 3]| {
                 let is_sound = (tile as usize) < tiles.len() && samples.start <= start && start < end;
@@ -196,4 +200,37 @@ pub(super) fn phase_to_json(phase: Phase) -> Value {
 pub(super) fn phase_of_json(json: &Value) -> Option<Phase> {
     let time = |name: &str| Duration::try_from_secs_f64(json[name].as_f64()?).ok();
     Some(Phase { wall: time("wall_s")?, cpu: time("cpu_s")? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Layout;
+    use crate::render::Limits;
+    use std::time::Instant;
+
+    /// A film of a pixel that says to have so many samples.
+    fn film(count: u32) -> Film {
+        let mut film = Film::new([1, 1], Window::whole(1, 1), Layout::default());
+        let mut bytes: Vec<u8> = Vec::new();
+        film.write(&mut bytes).expect("into memory");
+        bytes[..4].copy_from_slice(&count.to_le_bytes());
+        film.read([0; 2], &mut &bytes[..]).expect("what was written");
+        film
+    }
+
+    #[test]
+    fn more_samples_than_there_are_to_take_are_refused() {
+        let (tiles, samples) = ([Window::whole(1, 1)], 8..24);
+        let course = || Course::new(&Limits::default(), Instant::now(), (&tiles, &samples));
+        for (count, is_sound) in [(0, true), (16, true), (17, false), (u32::MAX, false)] {
+            let (counters, spent, filtering) = Default::default();
+            let state = State { film: film(count), counters, course: course(), pass: None, spent, filtering };
+            let mut bytes: Vec<u8> = Vec::new();
+            state.write(&json!("a picture"), &mut bytes).expect("into memory");
+            let checkpoint = Checkpoint::open(&bytes[..], bytes.len() as u64).expect("sealed");
+            let told = checkpoint.state((film(0), course()), &tiles, &samples).err();
+            assert_eq!(told.is_none(), is_sound, "{count}: {told:?}");
+        }
+    }
 }

@@ -1,17 +1,18 @@
-//! Threads and hierarchies for one picture after the other.
+//! Threads and hierarchies, for one picture or for one after the other.
 
-use crate::accel::Brute;
-use crate::accel::bvh::{self, Binary, BvhAccel, Hierarchy, Wide};
-use crate::accel::embree::EmbreeAccel;
-use crate::error::{Problem, Result};
+use crate::accel::Accel;
+use crate::error::{Error, Place, Problem, Result};
 use crate::geometry::World;
-use crate::render::dispatch::{embree, hierarchy, plan, pool, with_accel};
-use crate::render::tiles::{self, Plan};
-use crate::render::{Checkpoint, Kept, Phase, Progress, Rendered, Settings, State};
-use crate::scene::needs::capability::Capability;
-use crate::scene::{Scene, description};
+use crate::render::dispatch::{plan, with_accel};
+use crate::render::hierarchies::{Hierarchies, How};
+use crate::render::tiles;
+use crate::render::{Checkpoint, Keeper, Phase, Progress, Rendered, Settings, State};
+use crate::scene::Scene;
+use std::fmt;
+use std::io::Read;
 use std::num::NonZeroUsize;
 use std::sync::{Arc, Mutex};
+use std::thread;
 
 /// Threads that render one picture after the other, and the hierarchy of the last one, which serves on while the world is the same.
 #[derive(Debug)]
@@ -25,28 +26,37 @@ pub struct Studio {
 #[derive(Debug)]
 struct Last {
     world: Arc<World>,
-    how: (description::BuildQuality, bool),
+    how: How,
     hierarchies: Hierarchies,
 }
 
-/// What of a scene says how hierarchies are built.
-fn how(scene: &Scene) -> (description::BuildQuality, bool) {
-    (scene.render.build_quality, scene.uses(Capability::RobustTraversal))
+/// A copy that was kept, and what it is called.
+pub type Begin<'a> = (Checkpoint<Box<dyn Read + 'a>>, Place);
+
+/// A picture that is not begun from nothing, or of which copies are kept.
+#[derive(Default)]
+pub struct Kept<'a> {
+    /// A copy of the same picture, from which it goes on.
+    pub begin: Option<Begin<'a>>,
+    /// Who keeps copies.
+    pub keeper: Option<&'a dyn Keeper>,
 }
 
-/// What finds hits, by what a scene may choose.
-#[derive(Debug)]
-enum Hierarchies {
-    Embree(EmbreeAccel),
-    Binary(BvhAccel<Binary>),
-    Wide(BvhAccel<Wide>),
-    Brute(Brute),
+impl fmt::Debug for Kept<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Kept").field("begin", &self.begin.is_some()).finish_non_exhaustive()
+    }
 }
 
 impl Studio {
     /// So many threads, or all processors.
     pub fn new(threads: Option<NonZeroUsize>) -> Result<Self> {
-        let (threads, pool) = pool(threads)?;
+        let threads = threads.or_else(|| thread::available_parallelism().ok()).map_or(1, NonZeroUsize::get);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .thread_name(|i| format!("render {i}"))
+            .build()
+            .map_err(|error| Error::Backend { backend: "threads", what: error.to_string() })?;
         Ok(Self { threads, pool, last: None })
     }
 
@@ -55,7 +65,7 @@ impl Studio {
         self.last = None;
     }
 
-    /// Renders as [`render_kept`](crate::render::render_kept) does, on the threads that are there, whatever the settings say of them.
+    /// Renders as [`render_kept`] does, on the threads that are there, whatever the settings say of them.
     pub fn render(
         &mut self,
         scene: &Scene,
@@ -73,70 +83,116 @@ impl Studio {
             let state = state.map_err(|what| Problem::at(place, what).remedy(Checkpoint::<&[u8]>::REMEDY))?;
             plan.begin = Mutex::new(Some(state));
         }
-        let is_same = |last: &mut Last| {
-            Arc::ptr_eq(&last.world, &scene.world)
-                && last.how == how(scene)
-                && last.hierarchies.is_of(scene.render.backend)
-        };
+        let how = How::of(scene);
+        let is_same = |last: &mut Last| Arc::ptr_eq(&last.world, &scene.world) && last.how == how;
         let (hierarchies, build) = match self.last.take_if(is_same) {
             Some(last) => (last.hierarchies, Phase::default()),
             None => {
                 // First the old one goes: both need not fit into memory.
                 self.last = None;
-                let (built, build) = Phase::of(|| self.build(scene, progress));
+                let on = (self.threads, &self.pool);
+                let (built, build) = Phase::of(|| Hierarchies::build(scene, on, progress));
                 (built?, build)
             }
         };
         let rendered = hierarchies.trace(&plan, &self.pool);
-        self.last = Some(Last { world: scene.world.clone(), how: how(scene), hierarchies });
+        self.last = Some(Last { world: scene.world.clone(), how, hierarchies });
         let mut rendered = rendered?;
         rendered.statistics.build = build;
         rendered.statistics.threads = self.threads;
         Ok(rendered)
     }
-
-    /// The hierarchy of a world, built on the threads that then trace.
-    fn build(&self, scene: &Scene, progress: &dyn Progress) -> Result<Hierarchies> {
-        let world = &scene.world;
-        Ok(match scene.render.backend {
-            description::Backend::Embree => Hierarchies::Embree(embree(scene, self.threads, progress)?),
-            description::Backend::Bvh2 => Hierarchies::Binary(hierarchy(world, &self.pool, progress)?),
-            description::Backend::CwBvh => Hierarchies::Wide(hierarchy(world, &self.pool, progress)?),
-            description::Backend::Brute => Hierarchies::Brute(Brute::new(world.clone())),
-        })
-    }
 }
 
-impl Hierarchies {
-    fn is_of(&self, backend: description::Backend) -> bool {
-        let own = match self {
-            Self::Embree(_) => description::Backend::Embree,
-            Self::Binary(_) => description::Backend::Bvh2,
-            Self::Wide(_) => description::Backend::CwBvh,
-            Self::Brute(_) => description::Backend::Brute,
-        };
-        own == backend
+/// Renders a scene: builds the hierarchy, then takes all samples.
+///
+/// Fails if the crop lies outside the picture, the backend gives up, or `progress` says so.
+pub fn render(scene: &Scene, settings: &Settings, progress: &dyn Progress) -> Result<Rendered> {
+    render_kept(scene, settings, progress, Kept::default())
+}
+
+/// Renders a scene as [`render`] does, from where it was left, and keeps copies from which it can go on: the picture is that of one go,
+/// to the bit.
+///
+/// Fails as [`render`] does, and if the copy cannot be read or the last one cannot be kept.
+pub fn render_kept(
+    scene: &Scene,
+    settings: &Settings,
+    progress: &dyn Progress,
+    kept: Kept<'_>,
+) -> Result<Rendered> {
+    Studio::new(settings.threads)?.render(scene, settings, progress, kept)
+}
+
+/// Renders a scene with something that finds hits in its world, whatever backend the scene names.
+///
+/// Fails as [`render`] does.
+pub fn render_on<A: Accel>(
+    scene: &Scene,
+    settings: &Settings,
+    accel: &A,
+    progress: &dyn Progress,
+) -> Result<Rendered> {
+    let plan = plan(scene, settings, (progress, false))?;
+    let Studio { threads, pool, .. } = Studio::new(settings.threads)?;
+    let mut rendered = pool.install(|| with_accel(&plan, accel))?;
+    rendered.statistics.threads = threads;
+    Ok(rendered)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::bvh;
+    use crate::render::{Silent, Statistics};
+    use crate::scene;
+    use crate::scene::description::{Backend, BuildQuality};
+
+    fn scene() -> Scene {
+        let text = "[film]\nwidth = 4\nheight = 2\n[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\n\
+            type = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1.0\n";
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, text).expect("written");
+        let loaded = scene::load(&path, &[]).expect("a scene file");
+        scene::build(&loaded.description).expect("a scene").scene
     }
 
-    /// Takes all samples.
-    fn trace(&self, plan: &Plan<'_>, pool: &rayon::ThreadPool) -> Result<Rendered> {
-        let (traced, backend, isa) = match self {
-            Self::Embree(accel) => {
-                let isa = accel.device().isa().map_or("unknown", |isa| isa.name());
-                let backend = format!("embree {}", accel.device().version());
-                (pool.install(|| with_accel(plan, accel)), backend, isa)
+    const ALL: [Backend; 4] = [Backend::Embree, Backend::Bvh2, Backend::CwBvh, Backend::Brute];
+
+    #[test]
+    fn a_hierarchy_serves_on_while_it_would_be_built_the_same() {
+        let (mut scene, mut studio) = (scene(), Studio::new(NonZeroUsize::new(1)).expect("threads"));
+        let mut is_built = |backend, build_quality| {
+            (scene.render.backend, scene.render.build_quality) = (backend, build_quality);
+            let picture = studio.render(&scene, &Settings::default(), &Silent, Kept::default());
+            picture.expect("a picture").statistics.build != Phase::default()
+        };
+        for backend in ALL {
+            assert!(is_built(backend, BuildQuality::Medium), "{backend:?}: the first");
+            assert!(!is_built(backend, BuildQuality::Medium), "{backend:?}: the same");
+            let asks = backend == Backend::Embree;
+            assert_eq!(is_built(backend, BuildQuality::High), asks, "{backend:?}: of another quality");
+        }
+    }
+
+    #[test]
+    fn checkpoints_and_statistics_tell_one_name_with_its_version() {
+        let (mut scene, settings) =
+            (scene(), Settings { threads: NonZeroUsize::new(1), ..Settings::default() });
+        for backend in ALL {
+            scene.render.backend = backend;
+            let told = crate::render::backend(&scene).expect("a name");
+            let Statistics { backend: name, isa, .. } =
+                render(&scene, &settings, &Silent).expect("a picture").statistics;
+            match backend {
+                Backend::Embree => assert_eq!(told, format!("{name}, {isa}"), "Embree's kernels differ"),
+                Backend::Brute => assert_eq!((told.as_str(), name.as_str()), ("brute", "brute"), "ours"),
+                Backend::Bvh2 | Backend::CwBvh => {
+                    assert_eq!(told, name, "the same everywhere");
+                    assert!(told.ends_with(&format!(" (obvhs {})", bvh::VERSION)), "{told}");
+                }
             }
-            Self::Binary(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
-            Self::Wide(accel) => (pool.install(|| with_accel(plan, accel)), named(accel), accel.isa()),
-            Self::Brute(accel) => (pool.install(|| with_accel(plan, accel)), "brute".to_owned(), "scalar"),
-        };
-        let mut rendered = traced?;
-        rendered.statistics.backend = backend;
-        isa.clone_into(&mut rendered.statistics.isa);
-        Ok(rendered)
+        }
     }
-}
-
-fn named<H: Hierarchy>(_: &BvhAccel<H>) -> String {
-    format!("{} (obvhs {})", H::NAME, bvh::VERSION)
 }

@@ -9,21 +9,18 @@ use super::design::SAMPLES;
 use crate::error::Result;
 use crate::image::Window;
 use crate::measure::RELATIVE_FLOOR;
-use crate::render::{self, Phase, Progress, Rendered, Settings};
+use crate::render::{Kept, Phase, Progress, Rendered, Settings, Studio};
 use crate::sampling::hash;
 use crate::scene::Scene;
-use std::num::NonZeroUsize;
 
 /// What a first look has found.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pilot {
     /// Seconds of the processor that a sample of all pixels takes.
     pub pace_s: f64,
-    /// How long building the hierarchy takes.
-    pub build: Phase,
     /// Samples per pixel, and variance in relMSE.
     pub noise: Vec<[f64; 2]>,
-    /// How long looking took.
+    /// How long looking took, and building the hierarchy if it was not there.
     pub spent: Phase,
 }
 
@@ -51,35 +48,24 @@ impl Progress for Unheard<'_> {
 }
 
 impl Pilot {
-    /// Looks at a scene; `most_s` seconds of the processor are to be enough: then there is no second look where the first one shows that
-    /// it would take longer. The scene is as before at the end.
+    /// Looks at a scene in a studio, which then has its hierarchy; `most_s` seconds of the processor are to be enough: then there is no
+    /// second look where the first one shows that it would take longer. The scene is as before at the end.
     ///
     /// Fails as rendering does.
-    pub fn of(
-        scene: &mut Scene,
-        threads: Option<NonZeroUsize>,
-        most_s: f64,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    pub fn of(scene: &mut Scene, studio: &mut Studio, most_s: f64, progress: &dyn Progress) -> Result<Self> {
         let said = (scene.render.spp, scene.render.seed);
-        let (found, spent) = Phase::of(|| Self::looks(scene, threads, most_s, &Unheard(progress)));
+        let (found, spent) = Phase::of(|| Self::looks(scene, studio, most_s, &Unheard(progress)));
         (scene.render.spp, scene.render.seed) = said;
         Ok(Self { spent, ..found? })
     }
 
-    fn looks(
-        scene: &mut Scene,
-        threads: Option<NonZeroUsize>,
-        most_s: f64,
-        progress: &dyn Progress,
-    ) -> Result<Self> {
+    fn looks(scene: &mut Scene, studio: &mut Studio, most_s: f64, progress: &dyn Progress) -> Result<Self> {
         let squares = squares([scene.film.width, scene.film.height]);
         let pixels: f64 = squares.iter().map(|square| f64::from(square.width() * square.height())).sum();
         let all = f64::from(scene.film.width) * f64::from(scene.film.height);
-        let settings = Settings { threads, ..Settings::default() };
         let first = scene.render.seed.wrapping_add(SEEDS);
         let mut looks: Vec<(u32, [Values; 2])> = Vec::new();
-        let (mut pace_s, mut build) = (0.0, Phase::default());
+        let mut pace_s = 0.0;
         for (number, spp) in (0..).zip(LOOKS) {
             if number > 0 && 2.0 * f64::from(spp) * pace_s * pixels / all > most_s {
                 break;
@@ -89,16 +75,18 @@ impl Pilot {
             for (half, values) in (0..).zip(&mut both) {
                 scene.render.spp = Some(spp);
                 scene.render.seed = first.wrapping_add(2 * number + half);
-                let rendered = render::render_crops(scene, &settings, &squares, progress)?;
-                cpu += rendered.iter().map(|it| it.statistics.render.cpu.as_secs_f64()).sum::<f64>();
-                build = rendered.first().map_or(build, |it| it.statistics.build);
-                *values = rendered.iter().flat_map(values_of).collect();
+                for &square in &squares {
+                    let settings = Settings { crop: Some(square), ..Settings::default() };
+                    let rendered = studio.render(scene, &settings, progress, Kept::default())?;
+                    cpu += rendered.statistics.render.cpu.as_secs_f64();
+                    values.extend(values_of(&rendered));
+                }
             }
             pace_s = cpu / (2.0 * f64::from(spp) * pixels) * all;
             looks.push((spp, both));
         }
         let noise = (0..looks.len()).map(|i| [f64::from(looks[i].0), variance(&looks, i)]).collect();
-        Ok(Self { pace_s, build, noise, spent: Phase::default() })
+        Ok(Self { pace_s, noise, spent: Phase::default() })
     }
 
     /// What is to be expected of more samples, where variance usually falls with the power `slope` of their number, bias being known from elsewhere.
@@ -187,6 +175,9 @@ pub fn is_of_samples(key: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::Silent;
+    use crate::scene;
+    use std::num::NonZeroUsize;
 
     #[test]
     fn squares_lie_in_the_picture_and_are_spread() {
@@ -199,6 +190,25 @@ mod tests {
             }
         }
         assert_eq!(squares([160, 90]), [Window::whole(160, 90)], "all of a small picture");
+    }
+
+    #[test]
+    fn both_looks_and_the_picture_share_a_hierarchy() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.toml");
+        let text = "[film]\nwidth = 8\nheight = 4\n[render]\nintegrator = 'path'\nspp = 3\nseed = 5\n[materials.m]\n\
+            type = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\n\
+            radiance = 1.0\n";
+        std::fs::write(&path, text).expect("written");
+        let loaded = scene::load(&path, &[]).expect("a scene file");
+        let mut scene = scene::build(&loaded.description).expect("a scene").scene;
+        let mut studio = Studio::new(NonZeroUsize::new(1)).expect("threads");
+        let pilot = Pilot::of(&mut scene, &mut studio, 1e9, &Silent).expect("a look");
+        assert_eq!(pilot.noise.len(), 2, "both looks: {pilot:?}");
+        assert_eq!((scene.render.spp, scene.render.seed), (Some(3), 5), "as before");
+        let picture = studio.render(&scene, &Settings::default(), &Silent, Kept::default());
+        let statistics = picture.expect("a picture").statistics;
+        assert_eq!((statistics.build, statistics.samples), (Phase::default(), 8 * 4 * 3), "built before");
     }
 
     #[test]

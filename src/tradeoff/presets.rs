@@ -76,7 +76,9 @@ impl Kind {
         }
     }
 
-    const fn word(self) -> &'static str {
+    /// The word for it, as the record has it.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
         match self {
             Self::Tree => "tree",
             Self::Path => "path",
