@@ -272,6 +272,22 @@ fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     assert!(status == 0 && schema["properties"]["jobs"].is_object(), "{out}");
 }
 
+#[test]
+fn waiting_for_memory_is_no_part_of_a_time_limit() {
+    let desk = desk();
+    let jobs = "[defaults]\ntime_limit_s = 1.5\noverrides = { render.spp = 65536 }\noutputs = ['{name}.exr']\n[[jobs]]\nscene = 'still.toml'\n[[jobs]]\nscene = 'model.toml'\n";
+    write(&desk, "batch.toml", jobs);
+    // One alone is let in at a time.
+    let (status, _, said) = batch(&desk, &["batch.toml", "--jobs", "2", "-t", "2", "--memory", "1"]);
+    assert_eq!(status, 0, "{said}");
+    for name in ["still.exr", "model.exr"] {
+        let picture = exr::read(&desk.path(name)).expect("readable");
+        assert_eq!(picture.attribute("specula:ended_by"), Some("time"), "{name}");
+        let time = picture.attribute("specula:time_render_s").expect("there");
+        assert!(time.parse::<f64>().expect("a number") > 0.7, "{name}: {time} s of 1.5");
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn an_interrupted_batch_keeps_checkpoints_and_goes_on_to_the_same_picture() {

@@ -77,6 +77,28 @@ impl Gate {
     }
 }
 
+impl Pass<'_> {
+    #[cfg(test)]
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Is for so many bytes from now on, if there are as many without waiting, or nobody else; whether it is.
+    pub(super) fn resize(&mut self, bytes: u64) -> bool {
+        let bytes = bytes.max(1);
+        let mut used = self.gate.used();
+        let others = used.saturating_sub(self.bytes);
+        let all = others.saturating_add(bytes);
+        if others > 0 && bytes > self.bytes && self.gate.limit.is_some_and(|limit| all > limit) {
+            return false;
+        }
+        (*used, self.bytes) = (all, bytes);
+        self.gate.share(*used);
+        self.gate.left.notify_all();
+        true
+    }
+}
+
 impl Drop for Pass<'_> {
     fn drop(&mut self) {
         let mut used = self.gate.used();
@@ -155,5 +177,19 @@ mod tests {
         assert!(matches!(gate.pass(8, || true), Err(Error::Interrupted)), "who waits can be stopped");
         drop(first);
         assert!(gate.pass(8, || true).is_ok(), "who does not wait is not asked");
+    }
+
+    #[test]
+    fn a_pass_grows_while_there_is_room_or_nobody_else() {
+        let gate = Gate::new(Some(10), Arc::default());
+        let mut one = gate.pass(4, || true).expect("a pass");
+        assert!(one.resize(30) && *gate.used() == 30, "alone, whatever it takes");
+        assert!(one.resize(4) && *gate.used() == 4, "less again");
+        let mut other = gate.pass(5, || true).expect("a pass");
+        assert!(other.resize(6) && *gate.used() == 10, "as much as there is");
+        assert!(!other.resize(7) && !one.resize(5) && *gate.used() == 10, "not more");
+        assert!(other.resize(1) && one.resize(9) && *gate.used() == 10, "what another one gave back");
+        drop((one, other));
+        assert_eq!(*gate.used(), 0, "all gone");
     }
 }
