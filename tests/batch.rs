@@ -284,7 +284,7 @@ fn waiting_for_memory_is_no_part_of_a_time_limit() {
         let picture = exr::read(&desk.path(name)).expect("readable");
         assert_eq!(picture.attribute("specula:ended_by"), Some("time"), "{name}");
         let time = picture.attribute("specula:time_render_s").expect("there");
-        assert!(time.parse::<f64>().expect("a number") > 0.7, "{name}: {time} s of 1.5");
+        assert!(time.parse::<f64>().expect("a number") > 0.3, "{name}: {time} s of 1.5");
     }
 }
 

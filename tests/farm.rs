@@ -270,11 +270,24 @@ fn a_task_that_runs_twice_at_once_gives_one_sound_part() {
 }
 
 #[test]
-fn filtered_reflections_are_sliced_without_checkpoints() {
+fn filtered_reflections_are_sliced_with_checkpoints() {
     let (_desk, folder) = desk(ODD);
-    let flags = ["--integrator=whitted", "--glossy=two-pass", "--slices=2", "-o", "a.exr"];
-    let document = farm(&folder, "slurm", &flags);
-    let files = paths(&document, "files");
+    let flags = [
+        "--integrator=whitted",
+        "--glossy=two-pass",
+        "--slices=2",
+        "-o",
+        "a.exr",
+        "--checkpoint-every=5s",
+        "--no-specialise",
+    ];
+    for engine in ["slurm", "openjd"] {
+        let written = fs::read_to_string(&paths(&farm(&folder, engine, &flags), "files")[0]).expect("there");
+        for word in ["--checkpoint=", "--resume", "--checkpoint-every=5s", "--no-specialise"] {
+            assert!(written.contains(word), "{engine}: {word} in {written}");
+        }
+    }
+    let files = paths(&farm(&folder, "slurm", &flags), "files");
     for slice in ["0", "1"] {
         done(&mut node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]));
     }
@@ -373,7 +386,7 @@ fn jobs_are_queued_with_the_merge_behind_the_tasks() {
     let output = submit(&[]).env("REFUSE", folder.join("a room.toml")).output().expect("run");
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("not queued: no"), "{}", text(&output.stderr));
-    assert!(fs::read_to_string(&told).expect("there").ends_with("scancel 14\n"), "no task stays");
+    assert!(fs::read_to_string(&told).expect("there").ends_with("scancel --clusters=east 14\n"), "no task stays");
 
     let output = submit(&[]).env("PATH", "/nowhere").output().expect("run");
     let said = text(&output.stderr);

@@ -244,7 +244,8 @@ mod tests {
         let write = |name: &str, text: &str| {
             std::fs::write(folder.path().join(name), text).expect("written");
         };
-        write("a.toml", "[render]\nspp = 1\n[[shapes]]\ntype = 'sphere'\n[[lights]]\ntype = 'environment'\n");
+        let scene = "[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1\n";
+        write("a.toml", scene);
         let job = |size: u32| {
             format!("[[jobs]]\nname = 'a{size}'\nscene = 'a.toml'\noverrides = {{ film.width = {size}, film.height = {size} }}\n")
         };

@@ -11,7 +11,6 @@ use crate::cli::options::{FarmOptions, trust_words};
 use crate::error::Result;
 use crate::image::Window;
 use crate::render::{self, Outline, PartFile, Settings, Slice};
-use crate::scene::description::FuzzyBy;
 use crate::trust::Trust;
 
 /// A picture in slices.
@@ -22,8 +21,6 @@ pub(super) struct Job<'a> {
     pub(super) slices: u32,
     /// Those whose parts are not there yet, in their order.
     pub(super) missing: Vec<u32>,
-    /// Whether its slices keep checkpoints.
-    pub(super) has_checkpoints: bool,
     /// What tells its scene from others.
     pub(super) scene_hash: String,
     /// What tells its parts from those of other pictures.
@@ -54,7 +51,6 @@ impl<'a> Job<'a> {
             options,
             slices: of,
             missing: Vec::new(),
-            has_checkpoints: scene.render.glossy != FuzzyBy::TwoPass,
             scene_hash: frozen.hash.clone(),
             digest: format!("{:08x}", digest >> 32),
         };

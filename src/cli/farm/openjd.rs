@@ -169,11 +169,6 @@ fn template(job: &Job<'_>) -> Result<(Value, Value)> {
 
 /// What a task runs. All that may be odd comes as words.
 fn script(job: &Job<'_>) -> String {
-    let checkpoint = if job.has_checkpoints {
-        format!("{CHECKPOINT}\nset -- --checkpoint=\"$checkpoint\" --resume \"$@\"\n")
-    } else {
-        String::new()
-    };
     format!(
         r#"# Renders a slice of a picture; written by specula {}.
 set -eu
@@ -181,8 +176,9 @@ slice=$1 program=$2 dir=$3 folder=$4
 shift 4
 cd -- "$folder"
 part=$dir/{}$slice.part
-{checkpoint}# In place of this shell, so that it is asked itself to stop and writes a checkpoint.
-exec "$program" render --slice="$slice/{}" --output="$part" "$@"
+{CHECKPOINT}
+# In place of this shell, so that it is asked itself to stop and writes a checkpoint.
+exec "$program" render --slice="$slice/{}" --output="$part" --checkpoint="$checkpoint" --resume "$@"
 "#,
         env!("CARGO_PKG_VERSION"),
         job.stem(),
