@@ -197,8 +197,8 @@ fn check_sbatch(word: &OsStr, problems: &mut Problems) {
     let is_taken = if let Some(long) = text.strip_prefix("--") {
         let name = long.split('=').next().unwrap_or(long);
         // Beginnings of names are names.
-        name.len() > 2 && TAKEN.iter().any(|(taken, _)| taken.starts_with(name))
-    } else if let Some(short) = text.strip_prefix('-') {
+        TAKEN.iter().any(|(taken, _)| taken.starts_with(name))
+    } else if let Some(short) = text.strip_prefix('-').filter(|short| !short.is_empty()) {
         TAKEN.iter().any(|&(_, taken)| short.starts_with(taken))
     } else {
         let remedy = "give option and value as one word, such as --sbatch-option=--partition=fast";
@@ -249,9 +249,21 @@ mod tests {
         for word in ["--partition=fast", "--hold", "-pfast", "--time=1:00", "--wait-all-nodes=1", "-c4"] {
             assert_eq!(told(word), [], "{word}");
         }
-        for word in ["--array=0-3", "--arr=0-3", "-a0-3", "--dependency=singleton", "-d", "-W", "--wrap=ls"] {
+        for word in [
+            "--array=0-3",
+            "--arr=0-3",
+            "--ar=0-3",
+            "-a0-3",
+            "--dependency=singleton",
+            "-d",
+            "-W",
+            "--wrap=ls",
+            "--",
+        ] {
             assert!(told(word).iter().any(|problem| problem.remedy.is_some()), "{word}");
         }
-        assert!(told("fast")[0].to_string().contains("one word"), "a value alone");
+        for word in ["fast", "-"] {
+            assert!(told(word)[0].to_string().contains("one word"), "{word}: a value alone");
+        }
     }
 }
