@@ -386,7 +386,10 @@ fn jobs_are_queued_with_the_merge_behind_the_tasks() {
     let output = submit(&[]).env("REFUSE", folder.join("a room.toml")).output().expect("run");
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("not queued: no"), "{}", text(&output.stderr));
-    assert!(fs::read_to_string(&told).expect("there").ends_with("scancel --clusters=east 14\n"), "no task stays");
+    assert!(
+        fs::read_to_string(&told).expect("there").ends_with("scancel --clusters=east 14\n"),
+        "no task stays"
+    );
 
     let output = submit(&[]).env("PATH", "/nowhere").output().expect("run");
     let said = text(&output.stderr);

@@ -7,7 +7,6 @@
 mod job;
 mod openjd;
 mod queue;
-mod shell;
 mod slurm;
 
 use std::ffi::OsString;

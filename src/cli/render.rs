@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::args::RenderArgs;
 use super::batch::memory;
+use super::command::Rendering;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept;
@@ -150,17 +151,21 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     } else if options.limits.error.is_some() {
         tracing::warn!("too few samples to estimate the error");
     }
-    tell_dropped(options, scene, rendered);
+    tell_dropped(options, &Rendering::of(options), (scene, rendered));
 }
 
-/// Warns of samples that were dropped.
-pub(super) fn tell_dropped(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
+/// Warns of samples that were dropped, with the command by which one is seen again.
+pub(super) fn tell_dropped(
+    options: &RenderOptions,
+    again: &Rendering<'_>,
+    (scene, rendered): (&Scene, &Rendered),
+) {
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {
         tracing::warn!(
             "{} samples were not finite and count as black; see the first one by `{}`",
             non_finite.count(),
-            statistics::replay(options, statistics::replayed_spp(options, scene), first),
+            statistics::replay(again, statistics::replayed_spp(options, scene), first),
         );
     }
 }

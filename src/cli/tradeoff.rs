@@ -1,13 +1,12 @@
 //! The command `tradeoff`: settings of a scene beside each other, error against time.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::args::TradeoffArgs;
 use super::interrupt::Interrupt;
-use super::options::{Against, TradeoffOptions};
+use super::options::{Against, TradeoffOptions, with_extension};
 use super::progress::Meter;
 use super::render::development;
 use super::{log, output, threads};
@@ -194,7 +193,7 @@ impl Plan {
         let mut about = head.clone();
         about["settings"] = json!(settings);
         about["spp"] = json!(spp);
-        let kept = self.options.keep.as_ref().map(|(path, _)| beside(path));
+        let kept = self.options.keep.as_ref().map(|(path, _)| with_extension(path, REFERENCE));
         if let Some(path) = &kept
             && let Some(reference) =
                 Reference::read_kept(path, &about, (self.size, self.options.trust.limits))?
@@ -214,12 +213,8 @@ impl Plan {
     }
 }
 
-/// Where the reference of a file of runs is kept.
-fn beside(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".reference.exr");
-    name.into()
-}
+/// What the name of a file of runs ends with for that of their reference.
+const REFERENCE: &str = "reference.exr";
 
 /// What is turned, and what is not with the reason.
 fn chosen(options: &TradeoffOptions, subject: &Subject) -> (Vec<Axis>, Vec<(&'static str, &'static str)>) {

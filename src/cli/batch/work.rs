@@ -137,7 +137,7 @@ impl<'a> Whole<'a> {
         Problems(stage.frozen()?.unread.clone()).into_result(())?;
         let Made { rendered, load, kept, .. } = stage.make(&order, read, progress)?;
         let frozen = stage.frozen()?;
-        tell_dropped(options, &frozen.scene, &rendered);
+        tell_dropped(options, &task.alone(), (&frozen.scene, &rendered));
         let bytes = memory::of_scene(&frozen.scene, &rendered);
         self.measured().insert((options.scene.clone(), options.overrides.clone()), bytes);
         let notes = wanted.notes(frozen, self.library)?;
@@ -208,7 +208,7 @@ fn read<'a>(task: &Task, last: &'a mut Option<(Sources, Loaded)>) -> Result<&'a 
     let entry = match known {
         Some(entry) => entry,
         None => {
-            let loaded = scene::load_from(scene, (overrides, folder), &options.trust)?;
+            let loaded = scene::load_from(scene, task.job.replaced(), &options.trust)?;
             ((scene.clone(), overrides.clone(), folder.clone()), loaded)
         }
     };
@@ -247,7 +247,9 @@ mod tests {
         let scene = "[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1\n";
         write("a.toml", scene);
         let job = |size: u32| {
-            format!("[[jobs]]\nname = 'a{size}'\nscene = 'a.toml'\noverrides = {{ film.width = {size}, film.height = {size} }}\n")
+            format!(
+                "[[jobs]]\nname = 'a{size}'\nscene = 'a.toml'\noverrides = {{ film.width = {size}, film.height = {size} }}\n"
+            )
         };
         write("jobs.toml", &[4, 100, 8].map(job).concat());
         let file = folder.path().join("jobs.toml");

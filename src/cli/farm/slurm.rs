@@ -7,9 +7,9 @@
 use std::ffi::OsString;
 
 use super::job::{CHECKPOINT, Job};
-use super::shell::Script;
 use super::{Written, flag};
 use crate::cli::options::SlurmOptions;
+use crate::cli::shell::Script;
 
 pub(super) const TASKS: &str = "tasks.sbatch";
 pub(super) const MERGE: &str = "merge.sbatch";
