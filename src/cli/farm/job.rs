@@ -45,7 +45,7 @@ impl<'a> Job<'a> {
             ..Settings::default()
         };
         let about = kept::about(&options.picture, &frozen)?;
-        let corners = options.picture.crop.map(|Window { x0, y0, x1, y1 }| [x0, y0, x1, y1]);
+        let corners = options.picture.crop.map(Window::corners);
         let digest = xxh3_64(json!([about, corners, of]).to_string().as_bytes());
         let mut job = Self {
             options,
