@@ -7,7 +7,6 @@ use super::trust::Trusted;
 use super::values::{on_command_line, threads, whole};
 use crate::bench::{Class, Contestant, Query, Settings};
 use crate::cli::args::BenchArgs;
-use crate::cli::threads::all;
 use crate::error::{Problem, Problems, Result};
 use crate::scene::description::Backend;
 use crate::scene::load::words::suggest;
@@ -52,7 +51,7 @@ impl BenchOptions {
             classes,
             rays: number("rays", &args.rays, MOST_RAYS, rays, &mut problems),
             passes: number("passes", &args.passes, MOST_PASSES, passes, &mut problems),
-            threads: all(asked).get(),
+            threads: crate::cli::threads::all(asked).get(),
         };
         check_files(args, &mut problems);
         let trusted = Trusted::new(&args.trust, &mut problems);
