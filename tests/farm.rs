@@ -623,6 +623,30 @@ fn the_template_makes_the_picture() {
     assert!(text(&output.stderr).contains("pip install openjd-cli"), "{}", text(&output.stderr));
 }
 
+#[test]
+fn a_template_that_is_run_is_asked_to_stop() {
+    let (desk, folder) = desk(ODD);
+    // Stands for `openjd`: notes that it began, and that it was asked to stop.
+    let script = format!(
+        "#!/bin/sh\ntrap 'echo stopped >>{0}; exit 1' INT TERM\necho begun >>{0}\nwhile :; do sleep 0.1; done\n",
+        desk.path("told").display()
+    );
+    let bin = command_of(&desk, "openjd", &script);
+    let mut command = specula(&folder);
+    command.args(["farm", "openjd", "a room.toml", "-q", "-o", "a.exr", "--submit"]);
+    command.env("PATH", path_with(&bin)).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().expect("started");
+    let told = || fs::read_to_string(desk.path("told")).unwrap_or_default();
+    wait_for("openjd", Duration::from_secs(60), || told() == "begun\n");
+    assert!(
+        Command::new("kill").arg(child.id().to_string()).status().expect("run").success(),
+        "asked to stop"
+    );
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(told(), "begun\nstopped\n", "it was asked, too");
+}
+
 /// Asserts that pictures of 16-bit floats agree but for the rounding of single values.
 fn assert_same_halves(one: &Path, other: &Path) {
     let [one, other] = [one, other].map(|path| exr::read(path).expect("a picture"));
