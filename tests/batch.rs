@@ -259,7 +259,7 @@ fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     assert!(status == 2 && said.contains("batch.toml:4:1: unknown key `job`"), "{said}");
     assert!(said.contains("none.toml: no such file"), "{said}");
     for (flags, told) in [
-        (&["--jobs", "0"][..], "`--jobs 0` is not a number of pictures"),
+        (&["--jobs", "0"][..], "`--jobs 0` is not a number in range; give a whole number from 1 to"),
         (&["--memory", "much"], "`--memory much` is not a size"),
         (&["--frames", "a"], "`--frames a` is not a range"),
     ] {

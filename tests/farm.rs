@@ -307,7 +307,7 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
         (&["--aov=gbuffer"], &["gbuffer", "first pass"]),
         (&["-o", "a.part"], &["a.part", ".exr or .png"]),
         (&["--display=localhost:14158"], &["--display", "leave it out"]),
-        (&["--slices=0"], &["--slices", "from 1 on"]),
+        (&["--slices=0"], &["--slices", "from 1 to"]),
         (&["--slices=49"], &["48 samples", "49 slices"]),
         (&["--wait"], &["--wait", "--submit"]),
         (&["--spp=0", "--max-depth=x"], &["render.spp", "render.max_depth"]),

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::files::with_extension;
 use super::render::{RenderOptions, is_part, rendered_paths};
-use super::values::{given, on_command_line};
+use super::values::{on_command_line, whole};
 use crate::cli::args::{FIRST_PASS, FarmCommonArgs, OpenJdArgs, RenderArgs, SlurmArgs};
 use crate::error::{Error, Problems, Result};
 
@@ -89,7 +89,7 @@ impl FarmOptions {
                 source,
             })?,
         };
-        match RenderOptions::new(&whole(render, &outputs)) {
+        match RenderOptions::new(&all_of_it(render, &outputs)) {
             Err(error) => problems.absorb(error, None),
             Ok(picture) if problems.0.is_empty() => {
                 return Ok(Self {
@@ -116,7 +116,7 @@ impl FarmOptions {
 }
 
 /// The words for the whole picture, without what has been refused.
-fn whole(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
+fn all_of_it(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
     RenderArgs {
         output: outputs.iter().filter(|path| !is_part(path)).cloned().collect(),
         slice: None,
@@ -210,9 +210,11 @@ fn check_sbatch(word: &OsStr, problems: &mut Problems) {
     }
 }
 
+/// Most slices, and most tasks at once; more is a slip of the hand.
+const MOST: usize = 1 << 24;
+
 fn count(flag: &str, text: &str, problems: &mut Problems) -> Option<u32> {
-    let number = text.trim().parse().ok().filter(|n: &u32| *n > 0);
-    given(number, (flag, text), "a number", || "give a whole number from 1 on".to_owned(), problems)
+    whole(flag, text, 1..=MOST, problems).and_then(|number| u32::try_from(number).ok())
 }
 
 /// The directory in which the command was given, by the name by which the shell knows it: where homes are mounted on demand, other machines
