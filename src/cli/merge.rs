@@ -275,8 +275,8 @@ impl Merged {
         self.told.iter().map(|(told, _, _)| &told["statistics"])
     }
 
-    /// Everything counted and timed: what the first part tells, and of all parts together what they have apart: sums of times and rays, the most of memory, each word once. Rates are those of a
-    /// part on average: when which part was made is not known.
+    /// Everything counted and timed: what the first part tells, but for sums of times and rays, the most of memory, each word once. Rates are
+    /// those of a part on average: when which part was made is not known.
     fn report(&self, options: &MergeOptions, times: [(&str, Phase); 2]) -> Value {
         let words = |key: &str| {
             let words = distinct(self.told().filter_map(|it| it[key].as_str()));

@@ -50,7 +50,7 @@ pub(super) struct JobOf {
 impl JobOf {
     /// What replaces values of the scene file, and from where files in it are seen.
     pub(super) fn replaced(&self) -> impl Iterator<Item = (&str, &Path)> {
-        let folder = |i: usize| if i < self.own { &*self.folder } else { Path::new("") };
+        let folder = move |i: usize| if i < self.own { &*self.folder } else { Path::new("") };
         self.overrides.iter().enumerate().map(move |(i, text)| (text.value.as_str(), folder(i)))
     }
 }

@@ -253,7 +253,7 @@ mod tests {
         };
         write("jobs.toml", &[4, 100, 8].map(job).concat());
         let file = folder.path().join("jobs.toml");
-        let words = ["specula", "batch", "--memory", "1"].map(Into::into);
+        let words = ["specula", "batch", "--memory", "1"].map(std::ffi::OsString::from);
         let words = words.into_iter().chain([file.into_os_string()]);
         let Command::Batch(args) = Args::try_parse_from(words).expect("parsed").command else {
             panic!("another command")

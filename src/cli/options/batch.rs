@@ -64,7 +64,8 @@ impl BatchOptions {
 fn memory(text: &str, problems: &mut Problems) -> Option<u64> {
     const K: f64 = 1024.0;
     let letters = [("K", K), ("M", K * K), ("G", K * K * K), ("T", K * K * K * K)];
-    let spelled = |(letter, factor)| ["IB", "B", ""].map(|end| (format!("{letter}{end}"), factor));
+    let spelled =
+        |(letter, factor): (&str, f64)| ["IB", "B", ""].map(|end| (format!("{letter}{end}"), factor));
     let spelled: Vec<(String, f64)> = letters.into_iter().flat_map(spelled).collect();
     let units = spelled.iter().map(|(unit, factor)| (unit.as_str(), *factor)).chain([("B", 1.0)]);
     let bytes = with_unit(&text.to_ascii_uppercase(), &units.collect::<Vec<_>>());
