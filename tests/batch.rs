@@ -192,6 +192,57 @@ fn side_by_side_is_one_after_the_other_to_the_bit() {
     }
 }
 
+/// The command that is told of the first picture, which must succeed.
+fn told(desk: &Desk, summary: &Value) -> String {
+    let command = summary["pictures"][0]["command"].as_str().expect("a command");
+    let program = assert_cmd::cargo::cargo_bin("specula");
+    let path =
+        format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").expect("set"));
+    let done =
+        Command::new("sh").args(["-c", command]).current_dir(desk.path(".")).env("PATH", path).output();
+    let done = done.expect("run");
+    assert!(done.status.success(), "{command}: {}", String::from_utf8_lossy(&done.stderr));
+    command.to_owned()
+}
+
+#[test]
+fn files_of_overrides_are_seen_from_where_these_are_written() {
+    let desk = desk();
+    std::fs::create_dir(desk.path("sub")).expect("made");
+    std::fs::rename(desk.path("model.obj"), desk.path("sub/other.obj")).expect("moved");
+    std::fs::rename(desk.path("model.mtl"), desk.path("sub/model.mtl")).expect("moved");
+    farm::paint(&desk, "sub/inner.png", [50, 100, 200]);
+    let jobs = "[[jobs]]\nname = 'a'\nscene = '../still.toml'\noverrides = { shapes.0.file = 'other.obj' }\noutputs = ['a.exr']\n";
+    write(&desk, "sub/jobs.toml", jobs);
+    let wall = "materials.wall.reflectance={ file = 'late.png' }";
+    let words = ["sub/jobs.toml", "-D", wall, "-D", "render.spp=1"];
+    let (status, summary, said) = batch(&desk, &words);
+    assert!(status == 1 && said.contains("no such file `late.png`"), "{said}");
+    farm::paint(&desk, "late.png", [9, 9, 9]);
+    let command = told(&desk, &summary);
+    assert!(command.starts_with("cd sub && ") && desk.path("sub/a.exr").exists(), "{command}");
+    let alone = channels(&desk, "sub/a.exr");
+    let (status, _, said) = batch(&desk, &words);
+    assert_eq!(status, 0, "{said}");
+    assert!(channels(&desk, "sub/a.exr") == alone, "the same picture");
+}
+
+#[cfg(unix)]
+#[test]
+fn what_became_of_all_is_told_though_no_worker_can_start() {
+    let desk = desk();
+    // No thread has so much room.
+    let output = desk
+        .command()
+        .args(["batch", "model.toml", "still.toml", "--json"])
+        .env("RUST_MIN_STACK", (1_u64 << 47).to_string())
+        .output()
+        .expect("run");
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    assert_eq!(count(&summary, "not_begun"), 2, "{summary}");
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+}
+
 #[test]
 fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     let desk = desk();
@@ -216,13 +267,8 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     }
     // The command that is told does it.
     farm::paint(&desk, "gone.png", [9, 9, 9]);
-    let command = summary["pictures"][0]["command"].as_str().expect("a command");
-    let program = assert_cmd::cargo::cargo_bin("specula");
-    let path =
-        format!("{}:{}", program.parent().expect("a folder").display(), std::env::var("PATH").expect("set"));
-    let done =
-        Command::new("sh").args(["-c", command]).current_dir(desk.path(".")).env("PATH", path).output();
-    assert!(done.expect("run").status.success() && desk.path("sub/a3.exr").exists(), "{command}");
+    let command = told(&desk, &summary);
+    assert!(desk.path("sub/a3.exr").exists(), "{command}");
     write(&desk, "sub/jobs.toml", &jobs[..jobs.find("[[jobs]]\nscene = '../broken").expect("there")]);
     let (status, summary, said) = batch(&desk, &["sub/jobs.toml"]);
     assert_eq!((status, count(&summary, "rendered"), count(&summary, "done_before")), (0, 1, 1), "{said}");
@@ -254,12 +300,20 @@ fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     );
     let (status, _, said) = batch(&desk, &["batch.toml"]);
     assert!(status == 2 && said.contains("batch.toml:7:12: `a.exr` would be written twice"), "{said}");
+    let first = "[[jobs]]\nscene = 'still.toml'\naov = ['depth', 'gbuffer']\noutputs = ['a.png']\n";
+    write(&desk, "batch.toml", first);
+    let (status, _, said) = batch(&desk, &["batch.toml", "--checkpoint-every", "1s"]);
+    assert!(
+        status == 2 && said.contains("batch.toml:3:8: the output `gbuffer` without an EXR file"),
+        "{said}"
+    );
+    assert!(said.contains("batch.toml:3:8: `--checkpoint-every` beside the output `gbuffer`"), "{said}");
     write(&desk, "batch.toml", "[[jobs]]\nframes = 1\nscene = 'still.toml'\njob = 1\n");
     let (status, _, said) = batch(&desk, &["batch.toml", "none.toml"]);
     assert!(status == 2 && said.contains("batch.toml:4:1: unknown key `job`"), "{said}");
     assert!(said.contains("none.toml: no such file"), "{said}");
     for (flags, told) in [
-        (&["--jobs", "0"][..], "`--jobs 0` is not a number of pictures"),
+        (&["--jobs", "0"][..], "`--jobs 0` is not a number in range; give a whole number from 1 to"),
         (&["--memory", "much"], "`--memory much` is not a size"),
         (&["--frames", "a"], "`--frames a` is not a range"),
     ] {
@@ -270,6 +324,22 @@ fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     let (status, out, _) = desk.run(&["schema", "batch"]);
     let schema: Value = serde_json::from_str(&out).expect("JSON");
     assert!(status == 0 && schema["properties"]["jobs"].is_object(), "{out}");
+}
+
+#[test]
+fn waiting_for_memory_is_no_part_of_a_time_limit() {
+    let desk = desk();
+    let jobs = "[defaults]\ntime_limit_s = 1.5\noverrides = { render.spp = 65536 }\noutputs = ['{name}.exr']\n[[jobs]]\nscene = 'still.toml'\n[[jobs]]\nscene = 'model.toml'\n";
+    write(&desk, "batch.toml", jobs);
+    // One alone is let in at a time.
+    let (status, _, said) = batch(&desk, &["batch.toml", "--jobs", "2", "-t", "2", "--memory", "1"]);
+    assert_eq!(status, 0, "{said}");
+    for name in ["still.exr", "model.exr"] {
+        let picture = exr::read(&desk.path(name)).expect("readable");
+        assert_eq!(picture.attribute("specula:ended_by"), Some("time"), "{name}");
+        let time = picture.attribute("specula:time_render_s").expect("there");
+        assert!(time.parse::<f64>().expect("a number") > 0.3, "{name}: {time} s of 1.5");
+    }
 }
 
 #[cfg(unix)]

@@ -3,14 +3,21 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/room.rs"]
+mod room;
+#[path = "support/scene.rs"]
+mod scene;
 
 use desk::Desk;
-use specula::film::Film;
+use specula::film::{Film, Tile};
 use specula::image::exr::{self, Samples};
 use specula::image::{self, Window};
+use specula::render::{Progress, Settings, render};
 use std::collections::BTreeMap;
-use std::io::{ErrorKind, Read};
+use std::io::{BufRead as _, BufReader, ErrorKind, Read};
 use std::net::{Shutdown, TcpListener, TcpStream};
+use std::process::Stdio;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
@@ -33,6 +40,11 @@ impl Message {
         let mut bytes = vec![0; length - 4];
         from.read_exact(&mut bytes).expect("whole");
         Some(Self(bytes, 0))
+    }
+
+    /// Whether a picture begins.
+    fn begins(&self) -> bool {
+        self.0[0] == 4
     }
 
     fn take<const N: usize>(&mut self) -> [u8; N] {
@@ -91,7 +103,7 @@ impl Received {
                 let black = vec![0.0; size[0] * size[1]];
                 let channels = message.texts().into_iter().map(|name| (name, black.clone())).collect();
                 assert_eq!(message.1, message.0.len(), "nothing more");
-                *self = Self { name, size, channels, ..Self::default() };
+                (self.name, self.size, self.channels) = (name, size, channels);
             }
             6 => {
                 assert_eq!(name, self.name, "of the picture");
@@ -121,16 +133,26 @@ fn listener() -> (TcpListener, String) {
     (listener, place)
 }
 
-/// Takes one connection to its end.
+/// Takes one connection with one picture to its end.
 fn receiver(listener: TcpListener) -> JoinHandle<Received> {
     thread::spawn(move || {
-        let (mut stream, _) = listener.accept().expect("a connection");
-        let mut received = Received::default();
-        while let Some(message) = Message::read(&mut stream) {
-            received.take(message);
-        }
-        received
+        let mut pictures = take_all(&listener);
+        assert_eq!(pictures.len(), 1, "pictures");
+        pictures.remove(0)
     })
+}
+
+/// Takes one connection with any number of pictures to its end.
+fn take_all(listener: &TcpListener) -> Vec<Received> {
+    let (mut stream, _) = listener.accept().expect("a connection");
+    let mut pictures: Vec<Received> = Vec::new();
+    while let Some(message) = Message::read(&mut stream) {
+        if message.begins() {
+            pictures.push(Received::default());
+        }
+        pictures.last_mut().expect("a picture began").take(message);
+    }
+    pictures
 }
 
 fn desk() -> Desk {
@@ -179,15 +201,13 @@ fn a_viewer_has_the_picture_of_the_file() {
 fn frames_are_shown_under_their_own_names() {
     let desk = desk();
     let (listener, place) = listener();
-    let again = listener.try_clone().expect("another");
-    let frames = thread::spawn(move || {
-        let first = receiver(again).join().expect("received");
-        [first, receiver(listener).join().expect("received")]
-    });
+    let frames = thread::spawn(move || take_all(&listener));
     let words = ["render", "scene.toml", "-o", "a.#.exr", "--frames", "3..4", "--display", &place];
     let (status, _, log) = desk.run(&words);
     assert_eq!(status, 0, "{log}");
-    for (received, frame) in frames.join().expect("received").iter().zip([3, 4]) {
+    let frames = frames.join().expect("received");
+    assert_eq!(frames.len(), 2, "one after the other");
+    for (received, frame) in frames.iter().zip([3, 4]) {
         assert_eq!(received.name, format!("scene.toml frame {frame}"), "name");
         compare(received, &exr::read(&desk.path(&format!("a.{frame}.exr"))).expect("a picture"));
     }
@@ -228,6 +248,74 @@ fn a_viewer_that_never_reads_holds_nothing_up() {
     drop(listener);
 }
 
+#[cfg(unix)]
+#[test]
+fn files_are_named_before_a_slow_viewer_has_them_and_a_stop_ends_the_wait() {
+    let desk = desk();
+    let (listener, place) = listener();
+    // So slow that it never has all within the time that it is given.
+    let slow = thread::spawn(move || {
+        let (mut stream, _) = listener.accept().expect("a connection");
+        let mut block = vec![0; 1 << 16];
+        while stream.read(&mut block).is_ok_and(|read| read > 0) {
+            thread::sleep(Duration::from_millis(100));
+        }
+    });
+    let size = ["--width", "2400", "--height", "2400", "--spp", "1", "--integrator", "view", "-o", "a.exr"];
+    let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("specula"));
+    command.current_dir(desk.path(".")).args(["render", "scene.toml", "-q", "--display", &place]).args(size);
+    let mut child = command.stdout(Stdio::piped()).spawn().expect("started");
+    while !desk.path("a.exr").exists() {
+        thread::sleep(Duration::from_millis(10));
+        assert!(child.try_wait().expect("known").is_none(), "it renders");
+    }
+    let begin = Instant::now();
+    let mut line = String::new();
+    BufReader::new(child.stdout.as_mut().expect("a pipe")).read_line(&mut line).expect("text");
+    assert_eq!(line, "a.exr\n", "the name of the file");
+    let asked = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+    assert!(asked.expect("run").success(), "asked to stop");
+    assert!(child.wait().expect("ended").success(), "the picture is there");
+    // It would wait for 30 s.
+    assert!(begin.elapsed() < Duration::from_secs(20), "{:?}", begin.elapsed());
+    slow.join().expect("ended");
+}
+
+/// Counts what it is shown.
+struct Looker {
+    every: Duration,
+    shown: AtomicUsize,
+}
+
+impl Progress for Looker {
+    fn advance(&self, _done: u64, _total: u64) {}
+
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
+    fn looks_every(&self) -> Option<Duration> {
+        Some(self.every)
+    }
+
+    fn show(&self, _part: &Tile) {
+        self.shown.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
+#[test]
+fn filtered_pictures_are_shown_no_more_often_than_is_looked() {
+    let scene = scene::scene_of(&room::fuzzy_room("spp = 6"));
+    let shown = |every| {
+        let looker = Looker { every, shown: AtomicUsize::new(0) };
+        render(&scene, &Settings::default(), &looker).expect("a picture");
+        looker.shown.into_inner()
+    };
+    let once = shown(Duration::from_secs(3600));
+    assert!(once > 0, "the first sample");
+    assert_eq!(shown(Duration::ZERO), 6 * once, "every sample");
+}
+
 #[test]
 fn a_viewer_that_dies_is_told_of_once() {
     let desk = desk();
@@ -250,7 +338,8 @@ fn a_viewer_that_is_not_there_is_told_of_once() {
     let desk = desk();
     let (listener, place) = listener();
     drop(listener);
-    let (status, _, log) = desk.run(&["render", "scene.toml", "-o", "a.exr", "--display", &place]);
+    let words = ["render", "scene.toml", "-o", "a.#.exr", "--frames", "1..3", "--display", &place];
+    let (status, _, log) = desk.run(&words);
     assert_eq!(status, 0, "{log}");
     assert!(log.contains(&format!("cannot reach the viewer at {place}")), "{log}");
     assert_eq!(log.matches("viewer").count(), 1, "one warning: {log}");
@@ -260,13 +349,14 @@ fn a_viewer_that_is_not_there_is_told_of_once() {
 fn a_viewer_that_comes_late_has_it_all() {
     let (listener, place) = listener();
     drop(listener);
-    let display =
-        specula::display::Display::start(&place, "late", [3, 2], Box::new(|_| {})).expect("a thread");
+    let display = specula::display::Display::start(&place, Box::new(|_| {})).expect("a thread");
+    display.begin("late", [3, 2]);
     // Nobody is there when the first tile comes; the viewer is before the picture is done.
     thread::sleep(Duration::from_millis(300));
     let received = receiver(TcpListener::bind(&place).expect("the same port"));
     let film = Film::new([3, 2], Window::whole(3, 2), specula::film::Layout::default());
-    display.finish(&film);
+    display.end(&film);
+    display.finish(|| false);
     let received = received.join().expect("received");
     assert_eq!((received.name.as_str(), received.size, received.updates), ("late", [3, 2], 1), "the picture");
 }
@@ -274,8 +364,8 @@ fn a_viewer_that_comes_late_has_it_all() {
 #[test]
 fn a_viewer_that_takes_the_place_of_one_that_went_has_it_all() {
     let (listener, place) = listener();
-    let display =
-        specula::display::Display::start(&place, "again", [3, 2], Box::new(|_| {})).expect("a thread");
+    let display = specula::display::Display::start(&place, Box::new(|_| {})).expect("a thread");
+    display.begin("again", [3, 2]);
     // Nothing is sent after the beginning until the end, so that nobody notices.
     let (mut stream, _) = listener.accept().expect("a connection");
     Message::read(&mut stream).expect("the picture begins");
@@ -283,7 +373,8 @@ fn a_viewer_that_takes_the_place_of_one_that_went_has_it_all() {
     let received = receiver(listener);
     thread::sleep(Duration::from_millis(300));
     let film = Film::new([3, 2], Window::whole(3, 2), specula::film::Layout::default());
-    display.finish(&film);
+    display.end(&film);
+    display.finish(|| false);
     let received = received.join().expect("received");
     assert_eq!(
         (received.name.as_str(), received.size, received.updates),

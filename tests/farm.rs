@@ -270,11 +270,24 @@ fn a_task_that_runs_twice_at_once_gives_one_sound_part() {
 }
 
 #[test]
-fn filtered_reflections_are_sliced_without_checkpoints() {
+fn filtered_reflections_are_sliced_with_checkpoints() {
     let (_desk, folder) = desk(ODD);
-    let flags = ["--integrator=whitted", "--glossy=two-pass", "--slices=2", "-o", "a.exr"];
-    let document = farm(&folder, "slurm", &flags);
-    let files = paths(&document, "files");
+    let flags = [
+        "--integrator=whitted",
+        "--glossy=two-pass",
+        "--slices=2",
+        "-o",
+        "a.exr",
+        "--checkpoint-every=5s",
+        "--no-specialise",
+    ];
+    for engine in ["slurm", "openjd"] {
+        let written = fs::read_to_string(&paths(&farm(&folder, engine, &flags), "files")[0]).expect("there");
+        for word in ["--checkpoint=", "--resume", "--checkpoint-every=5s", "--no-specialise"] {
+            assert!(written.contains(word), "{engine}: {word} in {written}");
+        }
+    }
+    let files = paths(&farm(&folder, "slurm", &flags), "files");
     for slice in ["0", "1"] {
         done(&mut node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]));
     }
@@ -294,7 +307,7 @@ fn what_cannot_be_farmed_out_is_refused_before_anything_is_written() {
         (&["--aov=gbuffer"], &["gbuffer", "first pass"]),
         (&["-o", "a.part"], &["a.part", ".exr or .png"]),
         (&["--display=localhost:14158"], &["--display", "leave it out"]),
-        (&["--slices=0"], &["--slices", "from 1 on"]),
+        (&["--slices=0"], &["--slices", "from 1 to"]),
         (&["--slices=49"], &["48 samples", "49 slices"]),
         (&["--wait"], &["--wait", "--submit"]),
         (&["--spp=0", "--max-depth=x"], &["render.spp", "render.max_depth"]),
@@ -373,7 +386,10 @@ fn jobs_are_queued_with_the_merge_behind_the_tasks() {
     let output = submit(&[]).env("REFUSE", folder.join("a room.toml")).output().expect("run");
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("not queued: no"), "{}", text(&output.stderr));
-    assert!(fs::read_to_string(&told).expect("there").ends_with("scancel 14\n"), "no task stays");
+    assert!(
+        fs::read_to_string(&told).expect("there").ends_with("scancel --clusters=east 14\n"),
+        "no task stays"
+    );
 
     let output = submit(&[]).env("PATH", "/nowhere").output().expect("run");
     let said = text(&output.stderr);
@@ -605,6 +621,30 @@ fn the_template_makes_the_picture() {
     let output = command.env("PATH", "/nowhere").output().expect("run");
     assert_eq!(output.status.code(), Some(1), "without openjd: {}", text(&output.stderr));
     assert!(text(&output.stderr).contains("pip install openjd-cli"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_template_that_is_run_is_asked_to_stop() {
+    let (desk, folder) = desk(ODD);
+    // Stands for `openjd`: notes that it began, and that it was asked to stop.
+    let script = format!(
+        "#!/bin/sh\ntrap 'echo stopped >>{0}; exit 1' INT TERM\necho begun >>{0}\nwhile :; do sleep 0.1; done\n",
+        desk.path("told").display()
+    );
+    let bin = command_of(&desk, "openjd", &script);
+    let mut command = specula(&folder);
+    command.args(["farm", "openjd", "a room.toml", "-q", "-o", "a.exr", "--submit"]);
+    command.env("PATH", path_with(&bin)).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().expect("started");
+    let told = || fs::read_to_string(desk.path("told")).unwrap_or_default();
+    wait_for("openjd", Duration::from_secs(60), || told() == "begun\n");
+    assert!(
+        Command::new("kill").arg(child.id().to_string()).status().expect("run").success(),
+        "asked to stop"
+    );
+    let output = child.wait_with_output().expect("ended");
+    assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+    assert_eq!(told(), "begun\nstopped\n", "it was asked, too");
 }
 
 /// Asserts that pictures of 16-bit floats agree but for the rounding of single values.

@@ -81,7 +81,7 @@ impl Machine {
                 .map(|khz: f64| khz * 1e-3),
             caches: caches(),
             load: load(),
-            memory: memory(&read("/proc/meminfo")),
+            memory: bytes(&read("/proc/meminfo"), "MemTotal"),
             system: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             isa: level.name(),
             build: Build::THIS,
@@ -122,8 +122,9 @@ fn cores(info: &str) -> Option<usize> {
     (!pairs.is_empty()).then_some(pairs.len())
 }
 
-fn memory(info: &str) -> Option<u64> {
-    let kibibytes: u64 = field(info, "MemTotal")?.strip_suffix("kB")?.trim().parse().ok()?;
+/// The bytes of a line `name : number kB`, as Linux tells memory.
+pub(crate) fn bytes(text: &str, name: &str) -> Option<u64> {
+    let kibibytes: u64 = field(text, name)?.strip_suffix("kB")?.trim().parse().ok()?;
     Some(kibibytes * 1024)
 }
 
@@ -152,7 +153,9 @@ mod tests {
         assert_eq!(field(info, "model name"), Some("Fast One"), "name");
         assert_eq!(cores(info), Some(2), "three threads on two cores");
         assert_eq!(cores(""), None, "not told");
-        assert_eq!(memory("MemTotal:       2 kB\n"), Some(2048), "memory");
+        let info = "MemFree:  1 kB\nMemTotal:       2 kB\n";
+        assert_eq!(bytes(info, "MemTotal"), Some(2048), "memory");
+        assert_eq!(bytes(info, "Mem"), None, "a beginning of a name");
     }
 
     #[test]

@@ -116,8 +116,7 @@ fn turn(options: &mut RenderOptions, frozen: Frozen, set: &[(String, String)]) -
 }
 
 fn threads(options: &RenderOptions) -> f64 {
-    let threads = options.threads.or_else(|| std::thread::available_parallelism().ok());
-    threads.map_or(1.0, |threads| f64::from(u32::try_from(threads.get()).unwrap_or(u32::MAX)))
+    f64::from(u32::try_from(super::threads::all(options.threads).get()).unwrap_or(u32::MAX))
 }
 
 /// The part of the picture that is rendered.
@@ -227,9 +226,9 @@ fn by_look(
 
 /// Refuses runs of another scene; tables `film` and `render` are what runs are about.
 fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<()> {
-    let folder = frozen.path.parent().unwrap_or(Path::new(""));
     let Frozen { description, files, trust, .. } = frozen;
-    let mut both = [kept.head["about"].clone(), scene::identity_within(description, folder, files, trust)?];
+    let here = scene::identity_within(description, frozen.folder(), files, trust)?;
+    let mut both = [kept.head["about"].clone(), here];
     for scene in both.iter_mut().filter_map(|about| about["scene"].as_object_mut()) {
         scene.shift_remove("film");
         scene.shift_remove("render");

@@ -7,7 +7,6 @@
 mod job;
 mod openjd;
 mod queue;
-mod shell;
 mod slurm;
 
 use std::ffi::OsString;
@@ -43,13 +42,14 @@ pub(super) fn run(args: &FarmArgs) -> Result<()> {
         }
         FarmEngine::OpenJd(args) => {
             log::start(&args.common.picture.args.log);
+            let interrupt = Interrupt::listen();
             let options = FarmOptions::of_openjd(args)?;
             let job = Job::new(&options)?;
             let files = openjd::files(&job)?;
             written(&job, &files)?;
             tell("openjd", &job, &files, None)?;
             if options.submit {
-                openjd::run(&job)?;
+                openjd::run(&job, &interrupt)?;
                 made(&options)?;
             }
         }

@@ -59,7 +59,7 @@ impl Frozen {
         let built = scene::build_from(&description, &wanted, from).inspect_err(|_| log::warn(&warnings))?;
         let Built { scene, origins, files, warnings: more, unread, pruned } = built;
         warnings.extend(more);
-        let hash = scene::fingerprint(&description, path.parent().unwrap_or(Path::new("")));
+        let hash = scene::fingerprint(&description, folder(path));
         Ok(Self {
             scene,
             path: path.to_owned(),
@@ -82,7 +82,7 @@ impl Frozen {
         if !scene::retake(&mut self.scene, &self.description, &description) {
             return false;
         }
-        self.hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        self.hash = scene::fingerprint(&description, self.folder());
         (self.description, self.frame) = (description, frame);
         true
     }
@@ -111,10 +111,15 @@ impl Frozen {
         if !tradeoff::is_built_alike(&self.description, &description) {
             return Self::of(loaded, &self.path, (number, self.wanted), (&self.trust, &Arc::default()));
         }
-        let hash = scene::fingerprint(&description, self.path.parent().unwrap_or(Path::new("")));
+        let hash = scene::fingerprint(&description, self.folder());
         let mut scene = self.scene;
         (scene.render, scene.film) = (description.render.clone(), description.film.clone());
         Ok(Self { scene, hash, description, frame, ..self })
+    }
+
+    /// The folder of its file.
+    pub(super) fn folder(&self) -> &Path {
+        folder(&self.path)
     }
 
     /// What it requires.
@@ -131,6 +136,11 @@ impl Frozen {
     pub(super) fn plan(&self) -> Value {
         plan::to_json(self, &self.needs(), &self.all_warnings())
     }
+}
+
+/// The folder of a file; empty for the current directory.
+pub(super) fn folder(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
 }
 
 /// The description at a frame, and when that begins.

@@ -5,7 +5,7 @@ use std::io::{BufReader, Read};
 use std::path::Path;
 use std::time::Instant;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 use super::frozen::Frozen;
 use super::options::{Checkpoints, RenderOptions};
@@ -17,19 +17,28 @@ use crate::scene::needs::capability::Capability;
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
 pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
-    let folder = frozen.path.parent().unwrap_or(Path::new(""));
     let Frozen { description, files, trust, .. } = frozen;
-    let mut about = scene::identity_within(description, folder, files, trust)?;
+    let mut about = scene::identity_within(description, frozen.folder(), files, trust)?;
     about["version"] = env!("CARGO_PKG_VERSION").into();
     about["scene_hash"] = frozen.hash.clone().into();
-    about["outputs"] = options.layout.aovs().iter().map(|aov| aov.name()).collect();
-    about["time_limit_s"] = options.limits.time.map(|time| time.as_secs_f64()).into();
-    about["target_error"] = options.limits.error.into();
-    // Switched on, it moves the last bits.
-    if !options.specialise.forced.is_empty() {
-        about["forced"] = options.specialise.forced.iter().map(Capability::word).collect();
+    for (name, value) in settings(options) {
+        about[name] = value;
     }
     Ok(about)
+}
+
+/// What sums depend on, but the description.
+pub(super) fn settings(options: &RenderOptions) -> Map<String, Value> {
+    let mut settings = Map::new();
+    let mut set = |name: &str, value: Value| settings.insert(name.to_owned(), value);
+    set("outputs", options.layout.aovs().iter().map(|aov| aov.name()).collect());
+    set("time_limit_s", options.limits.time.map(|time| time.as_secs_f64()).into());
+    set("target_error", options.limits.error.into());
+    // Switched on, it moves the last bits.
+    if !options.specialise.forced.is_empty() {
+        set("forced", options.specialise.forced.iter().map(Capability::word).collect());
+    }
+    settings
 }
 
 /// Keeps copies in a file.
@@ -47,8 +56,7 @@ impl<'a> Kept<'a> {
         options: &RenderOptions,
         (scene, mut about): (&scene::Scene, Value),
     ) -> Result<Self> {
-        let corners = |Window { x0, y0, x1, y1 }| [x0, y0, x1, y1];
-        about["crop"] = options.crop.map_or(Value::Null, |window| json!(corners(window)));
+        about["crop"] = json!(options.crop.map(Window::corners));
         about["slice"] = options.slice.map(|slice| format!("{}/{}", slice.index, slice.of)).into();
         about["instruction_set"] = render::lanes().into();
         about["backend"] = render::backend(scene)?.into();

@@ -10,7 +10,7 @@ use super::interrupt::Interrupt;
 use super::kept::open;
 use super::options::{MergeOptions, Output};
 use super::render::write_json;
-use super::statistics;
+use super::statistics::{self, mean};
 use super::{log, output};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::film::{Film, SampleId};
@@ -43,18 +43,10 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
     if dropped > 0 {
         tracing::warn!("{dropped} samples were not finite and count as black");
     }
-    for Output { path, format } in &options.outputs {
-        interrupt.check()?;
-        match format {
-            Format::Exr => {
-                let picture = merged.film.picture(options.precision, merged.attributes());
-                log::warn(&exr::write(path, picture)?);
-            }
-            Format::Png => png::write(path, &merged.film.image(), merged.development())?,
-        }
-    }
+    let (written, writing) = Phase::of(|| merged.write(&options, &interrupt));
+    written?;
     if let Some(path) = &options.stats {
-        write_json(path, &merged.report(&options, merging))?;
+        write_json(path, &merged.report(&options, [("write", writing), ("merge", merging)]))?;
     }
     let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
     output::print(paths.map(|path| format!("{}\n", path.display())).collect::<String>().as_bytes())
@@ -179,8 +171,8 @@ fn check_window(outlines: &[&Outline], window: Window, paths: &[PathBuf]) -> Res
     problems.into_result(())
 }
 
-fn corners(Window { x0, y0, x1, y1 }: Window) -> String {
-    format!("{x0},{y0},{x1},{y1}")
+fn corners(window: Window) -> String {
+    window.corners().map(|corner| corner.to_string()).join(",")
 }
 
 fn problem(gap: Gap, paths: &[PathBuf]) -> Problem {
@@ -207,6 +199,21 @@ fn problem(gap: Gap, paths: &[PathBuf]) -> Problem {
 }
 
 impl Merged {
+    /// Writes all pictures.
+    fn write(&self, options: &MergeOptions, interrupt: &Interrupt) -> Result<()> {
+        for Output { path, format } in &options.outputs {
+            interrupt.check()?;
+            match format {
+                Format::Exr => {
+                    let picture = self.film.picture(options.precision, self.attributes());
+                    log::warn(&exr::write(path, picture)?);
+                }
+                Format::Png => png::write(path, &self.film.image(), self.development())?,
+            }
+        }
+        Ok(())
+    }
+
     /// What the parts tell of some metadata.
     fn all<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a str> {
         self.told.iter().filter_map(move |(told, _, _)| {
@@ -228,7 +235,7 @@ impl Merged {
         let [least, most] = self.film.samples_of_pixels();
         let mut more = vec![("parts", self.told.len().to_string())];
         if least < most {
-            more.extend([("samples_min", least.to_string()), ("samples_mean", self.mean().to_string())]);
+            more.extend([("samples_min", least.to_string()), ("samples_mean", mean(&self.film).to_string())]);
         }
         attributes.extend(more.into_iter().map(|(key, value)| (format!("specula:{key}"), value)));
         attributes
@@ -254,12 +261,6 @@ impl Merged {
         })
     }
 
-    /// How many samples a pixel has on average.
-    #[expect(clippy::cast_precision_loss, reason = "a mean")]
-    fn mean(&self) -> f64 {
-        self.film.samples() as f64 / self.film.window().area() as f64
-    }
-
     /// How the scene wants to be shown.
     fn development(&self) -> Development {
         let Some((told, _, _)) = self.told.first() else { return Development::default() };
@@ -274,33 +275,26 @@ impl Merged {
         self.told.iter().map(|(told, _, _)| &told["statistics"])
     }
 
-    /// Everything counted and timed, all parts together: sums of times and rays, the most of memory, each word once. Rates are those of a
-    /// part on average: when which part was made is not known.
-    fn report(&self, options: &MergeOptions, merging: Phase) -> Value {
-        let first = self.told().next().cloned().unwrap_or_default();
+    /// Everything counted and timed: what the first part tells, but for sums of times and rays, the most of memory, each word once. Rates are
+    /// those of a part on average: when which part was made is not known.
+    fn report(&self, options: &MergeOptions, times: [(&str, Phase); 2]) -> Value {
         let words = |key: &str| {
             let words = distinct(self.told().filter_map(|it| it[key].as_str()));
             (!words.is_empty()).then_some(words)
         };
         let most = |key: &str| self.told().filter_map(|it| it[key].as_u64()).max();
-        let phases = self.phases(merging);
+        let phases = self.phases(times);
         let rendering = phases["render"]["wall_s"].as_f64().unwrap_or(0.0);
         let rendering = Duration::try_from_secs_f64(rendering).unwrap_or_default();
-        let ([least, most_samples], window) = (self.film.samples_of_pixels(), self.film.window());
+        let [least, most_samples] = self.film.samples_of_pixels();
         let samples = self.film.samples();
-        json!({
+        let mut report = self.told().next().and_then(Value::as_object).cloned().unwrap_or_default();
+        let limit = report.get("clamped").and_then(|clamped| clamped["limit"].as_f64());
+        let own = json!({
             "version": env!("CARGO_PKG_VERSION"),
-            "scene": first["scene"],
             "scene_hash": self.scene_hash,
             "outputs": options.outputs.iter().map(|o| o.path.display().to_string()).collect::<Vec<_>>(),
             "parts": self.told.iter().map(part).collect::<Vec<_>>(),
-            "integrator": first["integrator"],
-            "fresnel": first["fresnel"],
-            "glossy": first["glossy"],
-            "direct": first["direct"],
-            "light_samples": first["light_samples"],
-            "glossy_samples": first["glossy_samples"],
-            "split_depth": first["split_depth"],
             "backend": words("backend"),
             "isa": words("isa"),
             "lanes": words("lanes"),
@@ -309,23 +303,20 @@ impl Merged {
             "threads": most("threads"),
             "width": self.film.full()[0],
             "height": self.film.full()[1],
-            "crop": [window.x0, window.y0, window.x1, window.y1],
+            "crop": self.film.window().corners(),
             "spp": most_samples,
             "sample_range": [0, most_samples],
-            "samples_per_pixel": { "min": least, "mean": self.mean(), "max": most_samples },
+            "samples_per_pixel": { "min": least, "mean": mean(&self.film), "max": most_samples },
             "ended_by": words("ended_by"),
-            "time_limit_s": first["time_limit_s"],
-            "target_error": first["target_error"],
-            "seed": first["seed"],
+            // Of one part alone.
+            "estimated_error": null,
             "phases": phases,
             "samples": samples,
             "samples_per_s": statistics::rate(samples, rendering),
             "rays": statistics::rays(&self.counters),
             "rays_per_s": statistics::rate(self.counters.rays(), rendering),
             "pruned": statistics::pruned(&self.counters),
-            "clamped": first["clamped"]["limit"].as_f64().map(|limit| {
-                statistics::clamped_by(limit, &self.counters, samples)
-            }),
+            "clamped": limit.map(|limit| statistics::clamped_by(limit, &self.counters, samples)),
             "peak_rss_bytes": most("peak_rss_bytes"),
             "bvh_bytes": most("bvh_bytes"),
             "texture_bytes": most("texture_bytes"),
@@ -333,24 +324,21 @@ impl Merged {
                 "count": self.film.non_finite().count(),
                 "first": self.film.non_finite().first().iter().map(|&s| self.dropped(s)).collect::<Vec<_>>(),
             },
-            "plan": first["plan"],
-        })
+        });
+        report.extend(own.as_object().cloned().unwrap_or_default());
+        report.into()
     }
 
-    /// Times of all parts added up, and that of merging.
-    fn phases(&self, merging: Phase) -> Value {
+    /// Times of all parts added up, and those of the merge.
+    fn phases(&self, own: [(&str, Phase); 2]) -> Value {
         let time = |name: &str, clock: &str| {
             let sum: f64 = self.told().filter_map(|it| it["phases"][name][clock].as_f64()).sum();
             (sum * 1e6).round() / 1e6
         };
         let phase = |name: &str| json!({ "wall_s": time(name, "wall_s"), "cpu_s": time(name, "cpu_s") });
-        json!({
-            "load": phase("load"),
-            "build": phase("build"),
-            "render": phase("render"),
-            "filter": phase("filter"),
-            "merge": statistics::phase(merging),
-        })
+        let of_parts = ["load", "build", "render", "filter"].map(|name| (name.to_owned(), phase(name)));
+        let own = own.map(|(name, time)| (name.to_owned(), statistics::phase(time)));
+        of_parts.into_iter().chain(own).collect()
     }
 
     /// A sample that was dropped, with the command that its part tells to see it again.
@@ -364,11 +352,10 @@ impl Merged {
 
 /// A part: which it is, and how it was made.
 fn part((told, outline, path): &(Value, Outline, PathBuf)) -> Value {
-    let Window { x0, y0, x1, y1 } = outline.window;
     let its = &told["statistics"];
     json!({
         "file": path.display().to_string(),
-        "crop": [x0, y0, x1, y1],
+        "crop": outline.window.corners(),
         "samples": [outline.samples.start, outline.samples.end],
         "backend": its["backend"],
         "isa": its["isa"],

@@ -7,6 +7,7 @@
 mod args;
 mod batch;
 mod bench;
+mod command;
 mod cost;
 mod diff;
 mod documents;
@@ -24,6 +25,7 @@ mod plan;
 mod progress;
 mod render;
 mod report;
+mod shell;
 mod stage;
 mod statistics;
 mod threads;

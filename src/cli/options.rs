@@ -18,10 +18,12 @@ pub(super) use bench::BenchOptions;
 pub(super) use cost::Cost;
 pub(super) use diff::DiffOptions;
 pub(super) use farm::{FarmOptions, SlurmOptions};
-pub(super) use files::{Output, check_target};
+pub(super) use files::{Output, check_target, with_extension};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
-pub(super) use render::{Checkpoints, RenderOptions, Specialise, layout, overrides, planned};
+pub(super) use render::{
+    Checkpoints, RenderOptions, check_first_pass, layout, overrides, planned, same_for_all,
+};
 pub(super) use tradeoff::{Against, TradeoffOptions};
 pub(super) use trust::{Trusted, words as trust_words};
 pub(super) use values::window;

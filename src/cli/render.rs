@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use super::args::RenderArgs;
 use super::batch::memory;
+use super::command::Rendering;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept;
@@ -42,22 +43,35 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
     // One picture has nobody to keep files for.
     let library = Library::of_bytes(if count > 1 { memory::half_of_free() } else { 0 });
     let mut stage = Stage::new(Studio::new(options.threads)?, library.into());
+    let display = display(&options)?;
     for (picture, number) in options.pictures().zip(1..) {
         if let Some(frame) = picture.frame.filter(|_| count > 1) {
             tracing::info!("frame {frame}, {number} of {count}");
         }
         let order = Order { options: &picture, loaded: &loaded, start, is_lenient: false };
-        one(&mut stage, &order, (args.log.quiet, &interrupt), (reading, number == count))?;
+        let watch = Watch { quiet: args.log.quiet, interrupt: &interrupt, display: display.as_ref() };
+        one(&mut stage, &order, watch, (reading, number == count))?;
         (start, reading) = (Instant::now(), Phase::default());
     }
+    if let Some(display) = display {
+        display.finish(|| interrupt.is_asked());
+    }
     Ok(())
+}
+
+/// Who watches, and may stop it.
+#[derive(Clone, Copy)]
+struct Watch<'a> {
+    quiet: bool,
+    interrupt: &'a Interrupt,
+    display: Option<&'a Display>,
 }
 
 /// Renders one picture, after the scene file was read for it; with `is_last` the hierarchy is given up before pictures are written.
 fn one(
     stage: &mut Stage,
     order: &Order<'_>,
-    (quiet, interrupt): (bool, &Interrupt),
+    Watch { quiet, interrupt, display }: Watch<'_>,
     (reading, is_last): (Phase, bool),
 ) -> Result<()> {
     let mut options = order.options.clone();
@@ -66,8 +80,10 @@ fn one(
     let meter = Meter::new(quiet, "samples", interrupt.clone());
     let prediction = stage.settle(&mut options, order.start, &meter)?;
     let options = &options;
-    let display = display(options, &stage.frozen()?.scene)?;
-    let shown = Shown { meter: &meter, display: display.as_ref() };
+    if let Some(display) = display {
+        begin(display, options, &stage.frozen()?.scene);
+    }
+    let shown = Shown { meter: &meter, display };
     let made = stage.make(&Order { options, ..*order }, read, &shown);
     meter.finish();
     let elapsed = order.start.elapsed();
@@ -95,20 +111,24 @@ fn one(
         kept.remove();
     }
     if let Some(display) = display {
-        display.finish(&rendered.film);
+        display.end(&rendered.film);
     }
     output::print(names(options).as_bytes())
 }
 
-/// Where the picture is shown while it is made, if anywhere: each frame under its own name.
-fn display(options: &RenderOptions, scene: &Scene) -> Result<Option<Display>> {
+/// Where pictures are shown while they are made, if anywhere.
+fn display(options: &RenderOptions) -> Result<Option<Display>> {
     let Some(place) = &options.display else { return Ok(None) };
-    let path = options.scene.display();
-    let name = options.frame.map_or_else(|| path.to_string(), |frame| format!("{path} frame {frame}"));
-    let full = [scene.film.width, scene.film.height];
     let warn = Box::new(|what: String| tracing::warn!("{what}"));
     let failed = |error: io::Error| Error::Backend { backend: "threads", what: error.to_string() };
-    Display::start(place, &name, full, warn).map(Some).map_err(failed)
+    Display::start(place, warn).map(Some).map_err(failed)
+}
+
+/// Begins to show a picture: each frame under its own name.
+fn begin(display: &Display, options: &RenderOptions, scene: &Scene) {
+    let path = options.scene.display();
+    let name = options.frame.map_or_else(|| path.to_string(), |frame| format!("{path} frame {frame}"));
+    display.begin(&name, [scene.film.width, scene.film.height]);
 }
 
 /// What is wrong with the command line, and with the scene as well, lest it be told only after the next try.
@@ -150,17 +170,21 @@ fn tell(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
     } else if options.limits.error.is_some() {
         tracing::warn!("too few samples to estimate the error");
     }
-    tell_dropped(options, scene, rendered);
+    tell_dropped(options, &Rendering::of(options), (scene, rendered));
 }
 
-/// Warns of samples that were dropped.
-pub(super) fn tell_dropped(options: &RenderOptions, scene: &Scene, rendered: &Rendered) {
+/// Warns of samples that were dropped, with the command by which one is seen again.
+pub(super) fn tell_dropped(
+    options: &RenderOptions,
+    again: &Rendering<'_>,
+    (scene, rendered): (&Scene, &Rendered),
+) {
     let non_finite = rendered.film.non_finite();
     if let Some(&first) = non_finite.first().first() {
         tracing::warn!(
             "{} samples were not finite and count as black; see the first one by `{}`",
             non_finite.count(),
-            statistics::replay(options, statistics::replayed_spp(options, scene), first),
+            statistics::replay(again, statistics::replayed_spp(options, scene), first),
         );
     }
 }

@@ -1,12 +1,13 @@
 //! What happened, for files: metadata of a picture, and statistics as JSON.
 
-use std::path::Path;
 use std::time::Duration;
 
 use serde_json::{Value, json};
 
+use super::command::Rendering;
 use super::frozen::Frozen;
-use super::options::{RenderOptions, trust_words};
+use super::options::RenderOptions;
+use crate::bench::machine;
 use crate::film::{Film, SampleId, cryptomatte};
 use crate::integrator::Counters;
 use crate::math::lanes::Level;
@@ -57,7 +58,8 @@ pub(super) fn attributes(frozen: &Frozen, rendered: &Rendered, load: Phase) -> V
         ("non_finite_samples", rendered.film.non_finite().count().to_string()),
     ];
     if least < most {
-        entries.extend([("samples_min", least.to_string()), ("samples_mean", mean(rendered).to_string())]);
+        entries
+            .extend([("samples_min", least.to_string()), ("samples_mean", mean(&rendered.film).to_string())]);
     }
     if let Some(Estimate { error, bound }) = statistics.estimate {
         entries
@@ -168,7 +170,6 @@ fn counted(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times:
     let is_tree = is_tree(settings);
     let statistics = &rendered.statistics;
     let counters = statistics.counters;
-    let window = rendered.film.window();
     let [least, most] = rendered.film.samples_of_pixels();
     json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -191,10 +192,10 @@ fn counted(options: &RenderOptions, frozen: &Frozen, rendered: &Rendered, times:
         "threads": statistics.threads,
         "width": scene.film.width,
         "height": scene.film.height,
-        "crop": [window.x0, window.y0, window.x1, window.y1],
+        "crop": rendered.film.window().corners(),
         "spp": most,
         "sample_range": [statistics.first, statistics.first + most],
-        "samples_per_pixel": { "min": least, "mean": mean(rendered), "max": most },
+        "samples_per_pixel": { "min": least, "mean": mean(&rendered.film), "max": most },
         "ended_by": statistics.ended.word(),
         "time_limit_s": options.limits.time.map(seconds),
         "target_error": options.limits.error,
@@ -249,8 +250,8 @@ pub(super) fn pruned(counters: &Counters) -> Value {
 
 /// How many samples a pixel has on average.
 #[expect(clippy::cast_precision_loss, reason = "a mean")]
-fn mean(rendered: &Rendered) -> f64 {
-    rendered.film.samples() as f64 / rendered.film.window().area() as f64
+pub(super) fn mean(film: &Film) -> f64 {
+    film.samples() as f64 / film.window().area() as f64
 }
 
 /// What a limit on indirect light took away, if there was one: the mean luminance of a sample, and the part of all light.
@@ -274,11 +275,11 @@ pub(super) fn per_pixel(rendered: &Rendered) -> String {
     if least == most {
         return samples(most);
     }
-    format!("{least} to {}, {:.1} on average,", samples(most), mean(rendered))
+    format!("{least} to {}, {:.1} on average,", samples(most), mean(&rendered.film))
 }
 
 fn sample(options: &RenderOptions, scene: &Scene, sample: SampleId) -> Value {
-    let command = replay(options, replayed_spp(options, scene), sample);
+    let command = replay(&Rendering::of(options), replayed_spp(options, scene), sample);
     json!({ "pixel": [sample.x, sample.y], "index": sample.index, "command": command })
 }
 
@@ -287,28 +288,13 @@ pub(super) fn replayed_spp(options: &RenderOptions, scene: &Scene) -> Option<u32
     (scene.render.spp.is_none() && !options.limits.is_none()).then_some(render::MOST)
 }
 
-/// The command that renders that sample's pixel again, and nothing else; with `spp` samples, where it is not for the scene to say.
-pub(super) fn replay(options: &RenderOptions, spp: Option<u32>, sample: SampleId) -> String {
+/// The command that renders that sample's pixel of a picture again, and nothing else; with `spp` samples, where it is not for the scene to
+/// say.
+pub(super) fn replay(of: &Rendering<'_>, spp: Option<u32>, sample: SampleId) -> String {
     let SampleId { x, y, .. } = sample;
-    let mut words = vec!["specula".to_owned(), "render".to_owned(), quoted(&options.scene.to_string_lossy())];
-    for text in &options.overrides {
-        words.extend(["-D".to_owned(), quoted(text)]);
-    }
-    words.extend(spp.map(|spp| format!("--spp={spp}")));
-    words.extend(options.frame.map(|frame| format!("--frames={frame}")));
-    words.extend(trust_words(&options.trust));
-    words.extend(["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)]);
-    words.extend(["-o".to_owned(), "pixel.exr".to_owned()]);
-    words.join(" ")
-}
-
-/// The word as a POSIX shell reads it back.
-pub(super) fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./=,:+@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
+    let spp = spp.map(|spp| format!("--spp={spp}"));
+    let pixel = ["--crop".to_owned(), format!("{x},{y},{},{}", x + 1, y + 1)];
+    of.command(spp.into_iter().chain(pixel).chain(["-o".to_owned(), "pixel.exr".to_owned()]))
 }
 
 pub(super) fn phase(phase: Phase) -> Value {
@@ -328,44 +314,28 @@ pub(super) fn rate(count: u64, time: Duration) -> Option<f64> {
 
 /// The most memory that was resident at any time, in bytes, where the system tells.
 fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string(Path::new("/proc/self/status")).ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
+    machine::bytes(&std::fs::read_to_string("/proc/self/status").ok()?, "VmHWM")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::film::Precision;
     use crate::trust::Trust;
+    use std::path::Path;
 
     #[test]
     fn a_replay_command_repeats_the_overrides_and_crops_to_the_pixel() {
         let options = RenderOptions {
-            scene: "my scenes/a.toml".into(),
-            outputs: Vec::new(),
             overrides: vec!["render.spp=4".to_owned(), "a.b='x y'".to_owned()],
-            frames: None,
             frame: Some(-2),
-            parts: Vec::new(),
-            layout: crate::film::Layout::default(),
-            first_pass: false,
-            crop: None,
-            slice: None,
-            checkpoint: None,
-            threads: None,
-            limits: render::Limits::default(),
-            specialise: crate::cli::options::Specialise::default(),
-            cost: None,
-            precision: Precision::Float,
-            stats: None,
-            trust: Trust::default(),
-            display: None,
+            ..RenderOptions::of(Path::new("my scenes/a.toml"), Trust::default())
         };
-        let command = replay(&options, None, SampleId { y: 5, x: 3, index: 1 });
+        let pixel = SampleId { y: 5, x: 3, index: 1 };
+        let command = replay(&Rendering::of(&options), None, pixel);
         let wanted = r"specula render 'my scenes/a.toml' -D render.spp=4 -D 'a.b='\''x y'\''' --frames=-2 --crop 3,5,4,6 -o pixel.exr";
         assert_eq!(command, wanted, "quoted for a shell");
+        let elsewhere = Rendering { folder: Path::new("a b"), ..Rendering::of(&options) };
+        assert_eq!(replay(&elsewhere, None, pixel), format!("cd 'a b' && {wanted}"), "in another folder");
     }
 
     #[cfg(target_os = "linux")]

@@ -1,6 +1,12 @@
 //! How many threads work on pictures.
 
 use std::num::NonZeroUsize;
+use std::thread;
+
+/// As many as were asked for; all processors if absent.
+pub(super) fn all(asked: Option<NonZeroUsize>) -> NonZeroUsize {
+    asked.or_else(|| thread::available_parallelism().ok()).unwrap_or(NonZeroUsize::MIN)
+}
 
 /// Limits the threads that compress, read and compare pictures; all processors if absent.
 pub(super) fn limit(threads: Option<NonZeroUsize>) {

@@ -1,13 +1,12 @@
 //! The command `tradeoff`: settings of a scene beside each other, error against time.
 
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
 use super::args::TradeoffArgs;
 use super::interrupt::Interrupt;
-use super::options::{Against, TradeoffOptions};
+use super::options::{Against, TradeoffOptions, with_extension};
 use super::progress::Meter;
 use super::render::development;
 use super::{log, output, threads};
@@ -37,7 +36,7 @@ pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
     if machine.build.debug_assertions {
         tracing::warn!("built with assertions for debugging: times mean nothing; build with `--release`");
     }
-    let plan = Plan::new(options)?;
+    let mut plan = Plan::new(options)?;
     interrupt.check()?;
     let meter = Meter::new(args.log.quiet, "samples", interrupt);
     let report = plan.carry_out(machine, &meter)?;
@@ -60,9 +59,11 @@ pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
 struct Plan {
     options: TradeoffOptions,
     overrides: Vec<String>,
+    subject: Subject,
     axes: Vec<Axis>,
     idle: Vec<(&'static str, &'static str)>,
     design: Design,
+    sweep: Sweep,
     /// Of a reference that is rendered.
     reference: (Vec<(String, String)>, u32),
     size: [u32; 2],
@@ -98,20 +99,18 @@ impl Plan {
             _ => most.saturating_mul(16).max(256),
         };
         let reference = (Reference::settings(&subject, &axes), spp);
-        Ok(Self { options, overrides, axes, idle, design, reference, size })
+        Ok(Self { options, overrides, subject, axes, idle, design, sweep, reference, size })
     }
 
-    fn carry_out(&self, machine: Machine, progress: &dyn Progress) -> Result<Report> {
-        let options = &self.options;
-        let (mut subject, _) = Subject::read(&options.scene, &self.overrides, &options.trust)?;
-        let sweep = Sweep::new(&subject, &self.axes, self.design, options.runs)?;
-        let mut head = self.head(&subject, &machine)?;
-        if let Some((path, true)) = &options.keep {
+    fn carry_out(&mut self, machine: Machine, progress: &dyn Progress) -> Result<Report> {
+        let mut head = self.head(&machine)?;
+        if let Some((path, true)) = &self.options.keep {
             Log::check(path, &head)?;
         }
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
-        let reference = self.reference(&mut subject, &head, progress)?;
+        let reference = self.reference(&head, progress)?;
         head["reference"] = reference.about();
+        let Self { options, subject, sweep, .. } = self;
         let (mut log, mut runs) = match &options.keep {
             Some((path, false)) => (Some(Log::begin(path, &head)?), Vec::new()),
             Some((path, true)) => {
@@ -131,7 +130,7 @@ impl Plan {
             runs.push(run.clone());
             log.as_mut().map_or(Ok(()), |log| log.add(run))
         };
-        let done = sweep.run(&mut subject, &reference, (&there, &bench), &mut keep);
+        let done = sweep.run(subject, &reference, (&there, &bench), &mut keep);
         if let (Err(Error::Interrupted), Some((path, _))) = (&done, &options.keep) {
             tracing::info!("{} runs are in `{}`: --resume goes on from them", runs.len(), path.display());
         }
@@ -158,17 +157,17 @@ impl Plan {
             development: development(subject.scene(&subject.base().clone(), 0)?),
         };
         if options.report.is_some() {
-            report.pictures = shown(&report, &sweep, &mut subject, &bench)?;
+            report.pictures = shown(&report, sweep, subject, &bench)?;
         }
         Ok(report)
     }
 
     /// What runs are of, before the reference is known.
-    fn head(&self, subject: &Subject, machine: &Machine) -> Result<Value> {
+    fn head(&self, machine: &Machine) -> Result<Value> {
         Ok(json!({
             "kind": KIND,
             "version": machine.build.version,
-            "about": subject.identity()?,
+            "about": self.subject.identity()?,
             "width": self.size[0],
             "height": self.size[1],
             "machine": machine.name(),
@@ -179,7 +178,7 @@ impl Plan {
     }
 
     /// The picture to compare with: read, kept from an earlier sweep, or rendered.
-    fn reference(&self, subject: &mut Subject, head: &Value, progress: &dyn Progress) -> Result<Reference> {
+    fn reference(&mut self, head: &Value, progress: &dyn Progress) -> Result<Reference> {
         let (settings, spp) = &self.reference;
         if let Against::File(path) = &self.options.against {
             let reference = Reference::read(path, self.size, self.options.trust.limits)?;
@@ -194,7 +193,7 @@ impl Plan {
         let mut about = head.clone();
         about["settings"] = json!(settings);
         about["spp"] = json!(spp);
-        let kept = self.options.keep.as_ref().map(|(path, _)| beside(path));
+        let kept = self.options.keep.as_ref().map(|(path, _)| with_extension(path, REFERENCE));
         if let Some(path) = &kept
             && let Some(reference) =
                 Reference::read_kept(path, &about, (self.size, self.options.trust.limits))?
@@ -206,7 +205,7 @@ impl Plan {
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         let tally = Tally::new(progress, Reference::samples(*spp, pixels));
         let bench = Bench { threads: self.options.threads, progress: &tally };
-        let reference = Reference::render(subject, settings.clone(), *spp, &bench)?;
+        let reference = Reference::render(&mut self.subject, settings.clone(), *spp, &bench)?;
         if let Some(path) = &kept {
             reference.keep(path, &about)?;
         }
@@ -214,12 +213,8 @@ impl Plan {
     }
 }
 
-/// Where the reference of a file of runs is kept.
-fn beside(path: &Path) -> PathBuf {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".reference.exr");
-    name.into()
-}
+/// What the name of a file of runs ends with for that of their reference.
+const REFERENCE: &str = "reference.exr";
 
 /// What is turned, and what is not with the reason.
 fn chosen(options: &TradeoffOptions, subject: &Subject) -> (Vec<Axis>, Vec<(&'static str, &'static str)>) {

@@ -1,9 +1,9 @@
 //! Pictures in a viewer while they are made, by the protocol of tev.
 //!
 //! Threads that render leave tiles in a queue and go on; a thread of its own sends them. Where it does not come along, because the viewer is
-//! slow, hangs or is not there, newer pixels replace older ones of the same tile, and the oldest tiles are dropped. At the end the whole
-//! picture is sent once more, so that what is seen is what is in the file, unless the viewer does not read it in time. A viewer that went
-//! is looked for every few seconds.
+//! slow, hangs or is not there, newer pixels replace older ones of the same tile, and of several pictures, one after the other, those before
+//! the last two are left out. At its end the whole picture is sent once more, so that what is seen is what is in the file, unless the viewer
+//! does not read it in time. A viewer that went is looked for every few seconds.
 
 mod link;
 mod queue;
@@ -12,7 +12,7 @@ mod tev;
 use crate::film::{Film, Tile};
 use crate::image::Window;
 use link::Link;
-use queue::{Next, Queue};
+use queue::{About, Next, Queue};
 use std::io;
 use std::sync::Arc;
 use std::thread;
@@ -24,7 +24,7 @@ pub const EVERY: Duration = Duration::from_millis(500);
 /// Between attempts to find the viewer.
 const AGAIN: Duration = Duration::from_secs(3);
 
-/// For how long at the end the viewer may read nothing, and how long all of it may take.
+/// For how long after the last picture the viewer may read nothing, and how long all of it may take.
 const PATIENCE: [Duration; 2] = [Duration::from_secs(2), Duration::from_secs(30)];
 
 /// Pixels of a message at the end.
@@ -33,41 +33,51 @@ const BAND: usize = 1 << 16;
 /// Somebody who is told, at most once, that the viewer cannot be reached.
 pub type Warn = Box<dyn FnOnce(String) + Send>;
 
-/// A picture that is shown somewhere.
+/// Pictures that are shown somewhere, one after the other.
 #[derive(Debug)]
 pub struct Display {
     queue: Arc<Queue>,
 }
 
 impl Display {
-    /// Shows a picture of that name, width and height at a place `HOST:PORT`. Looks for the viewer meanwhile.
+    /// Shows pictures at a place `HOST:PORT`. Looks for the viewer meanwhile.
     ///
     /// Fails if there can be no further thread.
-    pub fn start(place: &str, name: &str, full: [u32; 2], warn: Warn) -> io::Result<Self> {
+    pub fn start(place: &str, warn: Warn) -> io::Result<Self> {
         let queue = Arc::new(Queue::default());
         let sender = Sender {
             queue: queue.clone(),
             place: place.to_owned(),
-            name: name.to_owned(),
-            full,
             warn: Some(warn),
             link: None,
+            told: None,
         };
         thread::Builder::new().name("display".to_owned()).spawn(move || sender.run())?;
         Ok(Self { queue })
     }
 
-    /// Shows a part as it is now, some time. Does not wait.
+    /// Begins a picture of that name, width and height.
+    pub fn begin(&self, name: &str, full: [u32; 2]) {
+        self.queue.begin(About { name: name.to_owned(), full });
+    }
+
+    /// Shows a part of it as it is now, some time. Does not wait.
     pub fn show(&self, tile: &Tile) {
         self.queue.push(tile.window(), tile.shown());
     }
 
-    /// Shows the whole picture, which is done; waits until the viewer has it, or has read nothing for two seconds.
-    pub fn finish(self, film: &Film) {
+    /// Shows the whole picture, which is done. Does not wait.
+    pub fn end(&self, film: &Film) {
         self.queue.end(film.window(), film.shown());
+    }
+
+    /// Waits until the viewer has all pictures, or has read nothing for two seconds, or somebody asks to stop.
+    pub fn finish(self, is_cancelled: impl Fn() -> bool) {
+        self.queue.finish();
         let begin = Instant::now();
         let [idle, all] = PATIENCE;
-        self.queue.wait(|last| last.max(begin).elapsed() < idle && begin.elapsed() < all);
+        let is_patient = |last: Instant| last.max(begin).elapsed() < idle && begin.elapsed() < all;
+        self.queue.wait(|last| is_patient(last) && !is_cancelled());
     }
 }
 
@@ -82,10 +92,10 @@ impl Drop for Display {
 struct Sender {
     queue: Arc<Queue>,
     place: String,
-    name: String,
-    full: [u32; 2],
     warn: Option<Warn>,
     link: Option<Link>,
+    /// The picture that the viewer was told of.
+    told: Option<Arc<About>>,
 }
 
 impl Sender {
@@ -95,15 +105,17 @@ impl Sender {
             let work = if found { self.queue.next() } else { self.queue.rest(AGAIN) };
             match work {
                 Next::Nothing => {}
-                Next::Tile(window, pixels) => self.send(window, &pixels),
-                Next::Last(window, pixels) => {
-                    // Somebody may have started the viewer just now, or another one in place of one that went unnoticed.
-                    self.link = self.link.take().filter(|link| !link.is_closed());
-                    if self.find() {
-                        self.send_all(window, &pixels);
-                    }
-                    break;
+                Next::Begin(about) => {
+                    self.look_again();
+                    self.told = None;
+                    self.introduce(&about);
                 }
+                Next::Tile(about, window, pixels) => self.send(&about, window, &pixels),
+                Next::Last(about, window, pixels) => {
+                    self.look_again();
+                    self.send_all(&about, window, &pixels);
+                }
+                Next::End => break,
             }
         }
         self.queue.done();
@@ -112,34 +124,58 @@ impl Sender {
     /// Whether there is a viewer, looked for if need be.
     fn find(&mut self) -> bool {
         if self.link.is_none() {
-            let opened = Link::open(&self.place, &self.queue)
-                .and_then(|mut link| link.send(&tev::create(&self.name, self.full)).map(|()| link));
-            match opened {
-                Ok(link) => self.link = Some(link),
+            match Link::open(&self.place, &self.queue) {
+                Ok(link) => (self.link, self.told) = (Some(link), None),
                 Err(error) => self.tell(&format!("cannot reach the viewer at {}: {error}", self.place)),
             }
         }
         self.link.is_some()
     }
 
-    fn send(&mut self, window: Window, pixels: &[[f32; 4]]) {
+    /// Gives up a viewer that went unnoticed: another one may have taken its place.
+    fn look_again(&mut self) {
+        self.link = self.link.take().filter(|link| !link.is_closed());
+    }
+
+    /// Whether there is a viewer that knows of a picture; it is told if need be.
+    fn introduce(&mut self, about: &Arc<About>) -> bool {
+        if !self.find() {
+            return false;
+        }
+        if self.told.as_ref() != Some(about) {
+            self.say(&tev::create(&about.name, about.full));
+            self.told = Some(about.clone());
+        }
+        self.link.is_some()
+    }
+
+    fn send(&mut self, about: &Arc<About>, window: Window, pixels: &[[f32; 4]]) {
+        if self.introduce(about) {
+            self.say(&tev::update(&about.name, window, pixels));
+        }
+    }
+
+    /// Sends a message to the viewer that was found, which may be gone.
+    fn say(&mut self, message: &[u8]) {
         let Some(link) = &mut self.link else { return };
-        if let Err(error) = link.send(&tev::update(&self.name, window, pixels)) {
+        if let Err(error) = link.send(message) {
             self.link = None;
             self.tell(&format!("the viewer at {} went: {error}", self.place));
         }
     }
 
     /// Sends a picture in bands.
-    fn send_all(&mut self, window: Window, pixels: &[[f32; 4]]) {
+    fn send_all(&mut self, about: &Arc<About>, window: Window, pixels: &[[f32; 4]]) {
+        self.introduce(about);
         let width = window.width().max(1);
         let rows = u32::try_from(BAND / width as usize).unwrap_or(1).max(1);
         let bands = (window.y0..window.y1).step_by(rows as usize);
         for (y0, pixels) in bands.zip(pixels.chunks(rows as usize * width as usize)) {
-            if self.queue.is_abandoned() {
+            if self.queue.is_abandoned() || self.link.is_none() {
                 return;
             }
-            self.send(Window { y0, y1: y0.saturating_add(rows).min(window.y1), ..window }, pixels);
+            let band = Window { y0, y1: y0.saturating_add(rows).min(window.y1), ..window };
+            self.say(&tev::update(&about.name, band, pixels));
         }
     }
 

@@ -92,6 +92,11 @@ impl Window {
         Self { x0: 0, y0: 0, x1: width, y1: height }
     }
 
+    /// x0, y0, x1, y1.
+    pub const fn corners(self) -> [u32; 4] {
+        [self.x0, self.y0, self.x1, self.y1]
+    }
+
     /// Columns.
     pub fn width(self) -> u32 {
         self.x1.saturating_sub(self.x0)

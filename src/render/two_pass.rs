@@ -28,7 +28,7 @@ use crate::scene::Scene;
 use crate::scene::description::{FuzzyBy, FuzzyFilter, Integrator};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Windows reach this much farther than their radius, as a part of it: by a texel of a smaller picture.
 const REACH: f32 = 1.25;
@@ -94,7 +94,7 @@ fn samples<A: Accel>(
         let film = &running.state.film;
         (film.taken(plan.window), AtomicU64::new(film.samples()))
     };
-    let (mut first_pass, mut pace) = (Vec::new(), 0.0);
+    let (mut first_pass, mut pace, mut shown) = (Vec::new(), 0.0, None::<Instant>);
     for index in plan.samples.start + there..plan.samples.end {
         let left = running.locked().state.course.left();
         if index > plan.samples.start && left.is_some_and(|left| pace >= left) {
@@ -110,7 +110,9 @@ fn samples<A: Accel>(
         running.state.film.put(&tile);
         running.state.counters += counters;
         running.state.filtering += filtering;
-        if plan.progress.looks_every().is_some() {
+        let is_due = |every: Duration| shown.is_none_or(|shown| shown.elapsed() >= every);
+        if plan.progress.looks_every().is_some_and(is_due) {
+            shown = Some(Instant::now());
             let film = &running.state.film;
             tiles(plan.window).into_iter().for_each(|part| plan.progress.show(&film.part(part)));
         }

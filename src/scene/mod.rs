@@ -23,7 +23,7 @@ pub use fingerprint::fingerprint;
 pub use frozen::Scene;
 pub use identity::{differences, digest_of_file, digest_of_files, files, identity, identity_within};
 pub use library::{Library, Reads, Stamp};
-pub use load::{Loaded, is_scene, load, load_batch, load_from, load_in, load_within};
+pub use load::{Loaded, is_scene, load, load_batch, load_from, load_within};
 pub use needs::Needs;
 pub use pruned::Pruned;
 pub use schema::{schema, schema_of_batch};

@@ -38,11 +38,16 @@ impl Trust {
         Some((outside.to_string(), outside.remedy()))
     }
 
+    fn refuse_outside(&self, path: &Path) -> Result<()> {
+        let refused = |(what, remedy): (String, String)| {
+            Error::Refused(Problem::at(Place::file(path), what).remedy(remedy))
+        };
+        self.outside(path).map_or(Ok(()), |outside| Err(refused(outside)))
+    }
+
     /// Fails with [`Error::Refused`] where a file must not lie, or if it has more bytes than allowed. It need not be there.
     pub fn check(&self, path: &Path) -> Result<()> {
-        if let Some((what, remedy)) = self.outside(path) {
-            return Err(Error::Refused(Problem::at(Place::file(path), what).remedy(remedy)));
-        }
+        self.refuse_outside(path)?;
         let length = path.metadata().map_or(0, |about| about.len());
         let refused = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
         self.limits.check(Limit::Bytes, length).map_err(refused)
@@ -62,9 +67,7 @@ impl Trust {
         what: &'static str,
         (limit, before): (Limit, u64),
     ) -> Result<Vec<u8>> {
-        if let Some((what, remedy)) = self.outside(path) {
-            return Err(Error::Refused(Problem::at(Place::file(path), what).remedy(remedy)));
-        }
+        self.refuse_outside(path)?;
         let failed = |source| Error::Io { path: path.to_owned(), what, source };
         let refused = |excess: Excess| Error::Refused(excess.at(Place::file(path)));
         let file = File::open(path).map_err(failed)?;

@@ -23,7 +23,7 @@ pub struct BatchArgs {
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub output: Vec<PathBuf>,
 
-    /// Set any value of all scene files by its dotted path, such as render.spp=4. May be given several times
+    /// Set any value of all scene files by its dotted path, such as render.spp=4, files as seen from here. May be given several times
     #[arg(short = 'D', value_name = "KEY=VALUE")]
     pub overrides: Vec<String>,
 

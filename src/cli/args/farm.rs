@@ -136,7 +136,10 @@ fn words_of(arg: &Arg, matches: &ArgMatches) -> Vec<OsString> {
     if !arg.get_action().takes_values() {
         return vec![name.into()];
     }
-    let values = matches.get_raw(id).into_iter().flatten();
+    let mut values = matches.get_raw(id).into_iter().flatten().peekable();
+    if values.peek().is_none() {
+        return vec![name.into()];
+    }
     // One word where possible, whatever the value begins with.
     let words = values.flat_map(|value| {
         if arg.get_long().is_some() {
@@ -243,6 +246,7 @@ mod tests {
             "warn",
             "--limits=texels=4e9,triangles=none",
             "--sandbox",
+            "--no-specialise",
         ]);
         let farmed = given.common.picture;
         let words = ["specula", "render", "a.toml"].into_iter().map(Into::into).chain(farmed.words);

@@ -9,7 +9,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use crate::cli::frozen::{Frozen, at_frame};
+use crate::cli::frozen::{Frozen, at_frame, folder};
+use crate::cli::kept;
 use crate::cli::options::{Output, RenderOptions};
 use crate::error::Result;
 use crate::film::Precision;
@@ -34,7 +35,7 @@ pub(super) struct Wanted {
 impl Wanted {
     /// What a picture with these options is to be of. Fails if a file cannot be read.
     pub(super) fn new(options: &RenderOptions, loaded: &Loaded, library: &Library) -> Result<Self> {
-        let folder = folder(options);
+        let folder = folder(&options.scene);
         let (description, _) = at_frame(loaded.description.clone(), options.frame);
         Ok(Self {
             hash: scene::fingerprint(&description, folder),
@@ -45,9 +46,8 @@ impl Wanted {
 
     /// The metadata by which it is known again. Files are those of the scene as it was frozen: digits were taken before that.
     pub(super) fn notes(&self, frozen: &Frozen, library: &Library) -> Result<Vec<(String, String)>> {
-        let folder = frozen.path.parent().unwrap_or(Path::new(""));
         let from = (&frozen.trust, library);
-        let more = scene::digest_of_files(&frozen.description, folder, &frozen.files, from)?;
+        let more = scene::digest_of_files(&frozen.description, frozen.folder(), &frozen.files, from)?;
         let mut files = self.files.clone();
         for (name, digits) in more {
             files.entry(name).or_insert(digits);
@@ -67,7 +67,9 @@ impl Wanted {
         if pictures.is_empty() {
             return Some("no output is an .exr, which would say what it is of".to_owned());
         }
-        pictures.into_iter().find_map(|path| self.differs(path, folder(options), (&options.trust, library)))
+        pictures
+            .into_iter()
+            .find_map(|path| self.differs(path, folder(&options.scene), (&options.trust, library)))
     }
 
     /// How the picture in a file is another one.
@@ -102,20 +104,15 @@ impl Wanted {
     }
 }
 
-fn folder(options: &RenderOptions) -> &Path {
-    options.scene.parent().unwrap_or(Path::new(""))
-}
-
 /// What pixels and channels depend on, but the description.
 fn settings(options: &RenderOptions) -> Value {
-    let corners = |Window { x0, y0, x1, y1 }: Window| [x0, y0, x1, y1];
-    json!({
-        "frame": options.frame,
-        "outputs": options.layout.aovs().iter().map(|aov| aov.name()).collect::<Vec<_>>(),
-        "first_pass": options.first_pass,
-        "crop": options.crop.map(corners),
-        "half": options.precision == Precision::Half,
-        "time_limit_s": options.limits.time.map(|time| time.as_secs_f64()),
-        "target_error": options.limits.error,
-    })
+    let mut settings = kept::settings(options);
+    let more = [
+        ("frame", json!(options.frame)),
+        ("first_pass", json!(options.first_pass)),
+        ("crop", json!(options.crop.map(Window::corners))),
+        ("half", json!(options.precision == Precision::Half)),
+    ];
+    settings.extend(more.map(|(name, value)| (name.to_owned(), value)));
+    settings.into()
 }

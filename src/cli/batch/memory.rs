@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use crate::bench::machine;
 use crate::cli::options::RenderOptions;
 use crate::error::{Error, Result};
 use crate::geometry::Shape;
@@ -17,12 +18,28 @@ const UNKNOWN: u64 = 2 << 30;
 
 /// Bytes that files may be kept in where nobody says.
 pub(in crate::cli) fn half_of_free() -> u64 {
-    let read = || {
-        let text = fs::read_to_string("/proc/meminfo").ok()?;
-        let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-        line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()
+    let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
+    let host = machine::bytes(&read("/proc/meminfo"), "MemAvailable");
+    let group = left_by_groups(Path::new("/sys/fs/cgroup"), &read("/proc/self/cgroup"));
+    host.into_iter().chain(group).min().map_or(UNKNOWN, |bytes| bytes / 2)
+}
+
+/// Bytes that limits of control groups leave, of the group that Linux names and those above it (version 2, mounted at `root`); files that
+/// are cached for nobody count as free, as they do for the host.
+fn left_by_groups(root: &Path, named: &str) -> Option<u64> {
+    let name = named.lines().find_map(|line| line.strip_prefix("0::"))?;
+    let left = |group: &Path| {
+        let read = |file: &str| fs::read_to_string(group.join(file)).ok();
+        let number = |file: &str| read(file)?.trim().parse::<u64>().ok();
+        let cached = read("memory.stat").and_then(|text| {
+            let line = text.lines().find_map(|line| line.strip_prefix("inactive_file "))?;
+            line.trim().parse::<u64>().ok()
+        });
+        let used = number("memory.current")?.saturating_sub(cached.unwrap_or(0));
+        Some(number("memory.max")?.saturating_sub(used))
     };
-    read().map_or(UNKNOWN, |kibibytes| kibibytes * 512)
+    let own = root.join(name.trim_start_matches('/'));
+    own.ancestors().take_while(|group| group.starts_with(root)).filter_map(left).min()
 }
 
 /// Lets pictures in while there is memory for them; one that finds nobody is let in whatever it takes. What they leave may be used to keep
@@ -74,6 +91,28 @@ impl Gate {
 
     fn used(&self) -> MutexGuard<'_, u64> {
         self.used.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Pass<'_> {
+    #[cfg(test)]
+    pub(super) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Is for so many bytes from now on, if there are as many without waiting, or nobody else; whether it is.
+    pub(super) fn resize(&mut self, bytes: u64) -> bool {
+        let bytes = bytes.max(1);
+        let mut used = self.gate.used();
+        let others = used.saturating_sub(self.bytes);
+        let all = others.saturating_add(bytes);
+        if others > 0 && bytes > self.bytes && self.gate.limit.is_some_and(|limit| all > limit) {
+            return false;
+        }
+        (*used, self.bytes) = (all, bytes);
+        self.gate.share(*used);
+        self.gate.left.notify_all();
+        true
     }
 }
 
@@ -155,5 +194,41 @@ mod tests {
         assert!(matches!(gate.pass(8, || true), Err(Error::Interrupted)), "who waits can be stopped");
         drop(first);
         assert!(gate.pass(8, || true).is_ok(), "who does not wait is not asked");
+    }
+
+    #[test]
+    fn control_groups_leave_what_the_tightest_one_does() {
+        let root = tempfile::tempdir().expect("a folder");
+        let own = root.path().join("a/b");
+        fs::create_dir_all(&own).expect("made");
+        let write = |group: &Path, [max, current]: [&str; 2]| {
+            fs::write(group.join("memory.max"), max).expect("written");
+            fs::write(group.join("memory.current"), current).expect("written");
+        };
+        let left = || left_by_groups(root.path(), "1:name=x:/\n0::/a/b\n");
+        assert_eq!(left(), None, "nothing is told");
+        write(&own, ["max\n", "5\n"]);
+        assert_eq!(left(), None, "no limit");
+        write(&own, ["1000\n", "400\n"]);
+        assert_eq!(left(), Some(600), "the own one");
+        write(&root.path().join("a"), ["700\n", "500\n"]);
+        assert_eq!(left(), Some(200), "that above it");
+        fs::write(root.path().join("a/memory.stat"), "anon 1\ninactive_file 300\n").expect("written");
+        assert_eq!(left(), Some(500), "less what is cached");
+        assert_eq!(left_by_groups(root.path(), "4:memory:/a/b\n"), None, "not version 2");
+    }
+
+    #[test]
+    fn a_pass_grows_while_there_is_room_or_nobody_else() {
+        let gate = Gate::new(Some(10), Arc::default());
+        let mut one = gate.pass(4, || true).expect("a pass");
+        assert!(one.resize(30) && *gate.used() == 30, "alone, whatever it takes");
+        assert!(one.resize(4) && *gate.used() == 4, "less again");
+        let mut other = gate.pass(5, || true).expect("a pass");
+        assert!(other.resize(6) && *gate.used() == 10, "as much as there is");
+        assert!(!other.resize(7) && !one.resize(5) && *gate.used() == 10, "not more");
+        assert!(other.resize(1) && one.resize(9) && *gate.used() == 10, "what another one gave back");
+        drop((one, other));
+        assert_eq!(*gate.used(), 0, "all gone");
     }
 }

@@ -31,8 +31,7 @@ pub(super) fn run(args: &BatchArgs) -> Result<()> {
     let interrupt = Interrupt::listen();
     let options = BatchOptions::new(args)?;
     let tasks = tasks::all(&options)?;
-    let available = options.threads.or_else(|| thread::available_parallelism().ok());
-    let available = available.unwrap_or(NonZeroUsize::MIN);
+    let available = threads::all(options.threads);
     threads::limit(Some(available));
 
     let library = Arc::new(Library::default());
@@ -40,26 +39,62 @@ pub(super) fn run(args: &BatchArgs) -> Result<()> {
     let meter =
         Meter::in_steps(args.log.quiet || options.dry_run, ("pictures", work::STEPS), interrupt.clone());
     let whole = Whole::new(&tasks, &options, (&library, &gate), &meter);
-    let workers = options.jobs.get().min(tasks.len()).max(1);
-    let each = NonZeroUsize::new(available.get() / workers).unwrap_or(NonZeroUsize::MIN);
-    let worked: Result<()> = thread::scope(|scope| {
-        let others: Vec<_> = (1..workers).map(|_| scope.spawn(|| whole.work(each))).collect();
-        let own = whole.work(each);
-        let joined = others.into_iter().map(|other| {
-            let stopped = || Err(Error::Backend { backend: "batch", what: "a worker stopped".to_owned() });
-            other.join().unwrap_or_else(|_| stopped())
-        });
-        joined.fold(own, Result::and)
-    });
+    let worked = work(&whole, &shares(available, options.jobs.get().min(tasks.len())));
     meter.finish();
     let fates: Vec<Fate> = whole.into_fates();
-    worked?;
     let summary = Summary { tasks: &tasks, fates: &fates, reads: library.reads() };
     output::print(if options.json { summary.json() } else { summary.table() }.as_bytes())?;
     summary.tell_failures();
     interrupt.check()?;
+    worked?;
     match summary.failed() {
         0 => Ok(()),
         failed => Err(Error::Failed { failed, of: tasks.len() }),
+    }
+}
+
+/// The threads of each worker, where there are to be so many of them; together as many as are available.
+fn shares(available: NonZeroUsize, workers: usize) -> Vec<NonZeroUsize> {
+    let workers = workers.clamp(1, available.get());
+    let (each, more) = (available.get() / workers, available.get() % workers);
+    (0..workers).filter_map(|i| NonZeroUsize::new(each + usize::from(i < more))).collect()
+}
+
+/// Has everything done by workers with so many threads each. Fails if one of them could not do its part; others go on.
+fn work(whole: &Whole<'_>, shares: &[NonZeroUsize]) -> Result<()> {
+    let Some((&own, others)) = shares.split_first() else { return Ok(()) };
+    thread::scope(|scope| {
+        let begun = others.iter().map(|&share| {
+            thread::Builder::new()
+                .spawn_scoped(scope, move || whole.work(share))
+                .map_err(|error| stopped(&error.to_string()))
+        });
+        let begun: Vec<_> = begun.collect();
+        let own = whole.work(own);
+        let join = |other: Result<thread::ScopedJoinHandle<'_, Result<()>>>| {
+            other?.join().unwrap_or_else(|_| Err(stopped("it has an error")))
+        };
+        begun.into_iter().map(join).fold(own, Result::and)
+    })
+}
+
+fn stopped(why: &str) -> Error {
+    Error::Backend { backend: "batch", what: format!("a worker stopped: {why}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn workers_share_all_threads() {
+        let of = |available: usize, workers| {
+            let available = NonZeroUsize::new(available).expect("some");
+            shares(available, workers).into_iter().map(NonZeroUsize::get).collect::<Vec<_>>()
+        };
+        assert_eq!(of(8, 3), [3, 3, 2], "the rest goes to the first ones");
+        assert_eq!(of(8, 1), [8], "alone");
+        assert_eq!(of(2, 9), [1, 1], "no more workers than threads");
+        assert_eq!(of(4, 0), [4], "nothing to do");
     }
 }

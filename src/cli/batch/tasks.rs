@@ -6,16 +6,19 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::cli::args::FIRST_PASS;
+use crate::cli::command::{Rendering, relative};
 use crate::cli::frames;
 use crate::cli::options::{
-    BatchOptions, Checkpoints, Output, RenderOptions, Specialise, check_target, layout, trust_words, window,
+    BatchOptions, Checkpoints, Output, RenderOptions, check_first_pass, check_target, layout, same_for_all,
+    window, with_extension,
 };
-use crate::cli::statistics::quoted;
+use crate::cli::shell::word;
 use crate::error::{Place, Problem, Problems, Result};
 use crate::film::Precision;
 use crate::image::Format;
 use crate::render::Limits;
 use crate::scene::description::{Batch, Frames, JobSettings, Located};
+use crate::scene::load::from_root;
 use crate::scene::{is_scene, load_batch};
 
 /// A picture to be made.
@@ -35,9 +38,21 @@ pub(super) struct JobOf {
     pub(super) folder: PathBuf,
     /// Where its overrides were written.
     pub(super) overrides: Vec<Located<String>>,
+    /// How many of them are its own; those of the command line follow.
+    own: usize,
+    /// The same as `render` can be told them in that folder.
+    told: Vec<String>,
     /// Words of the command line that do not depend on the frame, but for outputs.
     words: Vec<String>,
     outputs: Vec<PathBuf>,
+}
+
+impl JobOf {
+    /// What replaces values of the scene file, and from where files in it are seen.
+    pub(super) fn replaced(&self) -> impl Iterator<Item = (&str, &Path)> {
+        let folder = move |i: usize| if i < self.own { &*self.folder } else { Path::new("") };
+        self.overrides.iter().enumerate().map(move |(i, text)| (text.value.as_str(), folder(i)))
+    }
 }
 
 impl Task {
@@ -49,20 +64,21 @@ impl Task {
         }
     }
 
+    /// It alone, as a user can ask for it.
+    pub(super) fn alone(&self) -> Rendering<'_> {
+        let folder = &self.job.folder;
+        let scene = relative(&self.options.scene, folder);
+        Rendering { folder, scene, overrides: &self.job.told, ..Rendering::of(&self.options) }
+    }
+
     /// The command that makes this picture alone.
     pub(super) fn command(&self) -> String {
-        let mut words = self.job.words.clone();
-        words.extend(self.options.frame.map(|frame| format!("--frames={frame}")));
-        for path in &self.job.outputs {
+        let named = |path: &PathBuf| {
             let path = self.options.frame.map_or_else(|| path.clone(), |frame| frames::named(path, frame));
-            words.extend(["-o".to_owned(), quoted(&path.to_string_lossy())]);
-        }
-        let command = words.join(" ");
-        let folder = &self.job.folder;
-        if folder.as_os_str().is_empty() {
-            return command;
-        }
-        format!("cd {} && {command}", quoted(&folder.to_string_lossy()))
+            ["-o".to_owned(), word(path)]
+        };
+        let outputs = self.job.outputs.iter().flat_map(named);
+        self.alone().command(self.job.words.iter().cloned().chain(outputs))
     }
 }
 
@@ -131,32 +147,39 @@ impl Planner<'_> {
         let outputs = self.outputs((own, defaults), &name, frames, (folder, &place));
         let mut overrides = defaults.overrides.0.clone();
         overrides.extend(own.overrides.0.iter().cloned());
+        let count = overrides.len();
         overrides
             .extend(self.options.overrides.iter().map(|text| at(Path::new("command line"), text.clone())));
-        let Some(template) = self.template((own, defaults), &scene.value, &overrides, problems) else {
+        let Some(template) = self.template((own, defaults), (&scene.value, &outputs), &overrides, problems)
+        else {
             return;
         };
-        let trust = trust_words(&template.trust);
-        let words = words((own, defaults), &relative(&scene.value, folder), (&overrides, trust));
         let shown = outputs.iter().map(|(path, _)| relative(path, folder)).collect();
-        let job = Arc::new(JobOf { name, folder: folder.to_owned(), overrides, words, outputs: shown });
+        let job = Arc::new(JobOf {
+            name,
+            folder: folder.to_owned(),
+            own: count,
+            told: told(&overrides, count, folder),
+            overrides,
+            words: words((own, defaults)),
+            outputs: shown,
+        });
         let numbers =
             frames.map_or_else(|| vec![None], |it| it.numbers().iter().copied().map(Some).collect());
         if let Some((path, place)) =
             outputs.iter().find(|(path, _)| numbers.len() > 1 && !frames::has_place(path))
         {
-            let what = format!("`{}` would be written for each of {} frames", path.display(), numbers.len());
-            let remedy = "put #### or {frame} where its name is to have the number";
-            return problems.push(Problem::at(place.clone(), what).remedy(remedy));
+            let problem = same_for_all(path, numbers.len());
+            return problems.push(Problem { place: Some(place.clone()), ..problem });
         }
         for frame in numbers {
             let targets = self.targets(&outputs, frame, problems);
             let mut options = RenderOptions { frame, outputs: targets, ..template.clone() };
             let first = options.outputs.first().map(|output| output.path.clone());
-            options.checkpoint = self.options.checkpoint_every.zip(first).map(|(every, path)| {
-                let mut path = path.into_os_string();
-                path.push(".ckpt");
-                Checkpoints { path: path.into(), every, resume: true }
+            options.checkpoint = self.options.checkpoint_every.zip(first).map(|(every, path)| Checkpoints {
+                path: with_extension(&path, "ckpt"),
+                every,
+                resume: true,
             });
             if problems.0.len() > found + MOST_TOLD {
                 return;
@@ -196,7 +219,7 @@ impl Planner<'_> {
     fn template(
         &self,
         (own, defaults): (&JobSettings, &JobSettings),
-        scene: &Path,
+        (scene, outputs): (&Path, &[(PathBuf, Place)]),
         overrides: &[Located<String>],
         problems: &mut Problems,
     ) -> Option<RenderOptions> {
@@ -204,6 +227,12 @@ impl Planner<'_> {
         let found = problems.0.len();
         let names: Vec<String> = aov.iter().map(|name| name.value.clone()).collect();
         let layout = layout(&names, problems);
+        let first_pass = names.iter().any(|name| name == FIRST_PASS);
+        if first_pass {
+            let kept = self.options.checkpoint_every.map(|_| "checkpoint-every");
+            let formats = outputs.iter().filter_map(|(path, _)| Format::of(path).ok());
+            check_first_pass(kept, formats, problems);
+        }
         let crop = own.crop.as_ref().or(defaults.crop.as_ref()).map(|crop| (window(crop.value), &crop.place));
         if let Some((None, place)) = crop {
             let problem = Problem::at((*place).clone(), "`crop` has no pixel");
@@ -216,33 +245,22 @@ impl Planner<'_> {
         }
         let time = own.time_limit_s.or(defaults.time_limit_s);
         (problems.0.len() == found).then(|| RenderOptions {
-            scene: scene.to_owned(),
-            outputs: Vec::new(),
-            parts: Vec::new(),
             overrides: overrides.iter().map(|text| text.value.clone()).collect(),
-            frames: None,
-            frame: None,
             crop: crop.and_then(|(window, _)| window),
-            slice: None,
-            checkpoint: None,
             layout,
-            first_pass: names.iter().any(|name| name == FIRST_PASS),
+            first_pass,
             threads: self.options.threads,
             limits: Limits {
                 time: time.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
                 error: own.target_error.or(defaults.target_error),
                 is_estimated: false,
             },
-            specialise: Specialise::default(),
-            cost: None,
             precision: if own.half.or(defaults.half) == Some(true) {
                 Precision::Half
             } else {
                 Precision::Float
             },
-            stats: None,
-            trust: self.options.trusted.of(scene),
-            display: None,
+            ..RenderOptions::of(scene, self.options.trusted.of(scene))
         })
     }
 
@@ -295,29 +313,22 @@ impl Planner<'_> {
 /// Problems of a job that are told.
 const MOST_TOLD: usize = 20;
 
-/// A path as seen from a folder that it was found in; from the root where it is elsewhere.
-fn relative(path: &Path, folder: &Path) -> PathBuf {
-    if folder.as_os_str().is_empty() {
-        return path.to_owned();
-    }
-    path.strip_prefix(folder)
-        .map_or_else(|_| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()), Path::to_owned)
+/// Overrides as `render` can be told them in a folder from which the first ones see files.
+fn told(overrides: &[Located<String>], own: usize, folder: &Path) -> Vec<String> {
+    let is_here = folder.as_os_str().is_empty();
+    let told = |(i, text): (usize, &Located<String>)| {
+        if is_here || i < own { text.value.clone() } else { from_root(&text.value) }
+    };
+    overrides.iter().enumerate().map(told).collect()
 }
 
-/// The command that renders with these settings, but for frame and outputs.
-fn words(
-    (own, defaults): (&JobSettings, &JobSettings),
-    scene: &Path,
-    (overrides, trust): (&[Located<String>], Vec<String>),
-) -> Vec<String> {
-    let mut words = vec!["specula".to_owned(), "render".to_owned(), quoted(&scene.to_string_lossy())];
-    for text in overrides {
-        words.extend(["-D".to_owned(), quoted(&text.value)]);
-    }
+/// Flags for these settings, but for overrides, frame and outputs.
+fn words((own, defaults): (&JobSettings, &JobSettings)) -> Vec<String> {
+    let mut words = Vec::new();
     let aov = if own.aov.is_empty() { &defaults.aov } else { &own.aov };
     if !aov.is_empty() {
         let names: Vec<&str> = aov.iter().map(|name| name.value.as_str()).collect();
-        words.extend(["--aov".to_owned(), quoted(&names.join(","))]);
+        words.extend(["--aov".to_owned(), word(names.join(","))]);
     }
     if let Some([x0, y0, x1, y1]) = own.crop.as_ref().or(defaults.crop.as_ref()).map(|crop| crop.value) {
         words.extend(["--crop".to_owned(), format!("{x0},{y0},{x1},{y1}")]);
@@ -326,6 +337,5 @@ fn words(
     let time = own.time_limit_s.or(defaults.time_limit_s);
     words.extend(time.map(|seconds| format!("--time-limit={seconds}s")));
     words.extend(own.target_error.or(defaults.target_error).map(|error| format!("--target-error={error}")));
-    words.extend(trust);
     words
 }

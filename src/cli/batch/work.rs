@@ -12,7 +12,7 @@ use super::done::Wanted;
 use super::memory::{self, Gate, Pass};
 use super::summary::Fate;
 use super::tasks::Task;
-use crate::cli::options::BatchOptions;
+use crate::cli::options::{BatchOptions, RenderOptions};
 use crate::cli::progress::Meter;
 use crate::cli::render::{tell_dropped, write};
 use crate::cli::stage::{Made, Order, Stage};
@@ -35,8 +35,8 @@ pub(super) struct Whole<'a> {
     next: AtomicUsize,
     steps: AtomicU64,
     fates: Mutex<Vec<Fate>>,
-    /// Bytes that scenes have taken.
-    measured: Mutex<HashMap<PathBuf, u64>>,
+    /// Bytes that scenes have taken, by file and overrides.
+    measured: Mutex<HashMap<(PathBuf, Vec<String>), u64>>,
 }
 
 /// What a worker has from the picture before.
@@ -118,10 +118,8 @@ impl<'a> Whole<'a> {
     }
 
     fn one(&self, task: &Task, bench: &mut Bench<'a>, progress: &dyn Progress) -> Result<Fate> {
-        let begin = Instant::now();
-        let Bench { stage, loaded, pass } = bench;
         let options = &task.options;
-        let loaded = read(task, loaded)?;
+        let loaded = read(task, &mut bench.loaded)?;
         let wanted = Wanted::new(options, loaded, self.library)?;
         let why = wanted.due(options, self.library);
         let why = if self.options.force { why.or_else(|| Some("all are asked for".to_owned())) } else { why };
@@ -129,22 +127,19 @@ impl<'a> Whole<'a> {
         if self.options.dry_run {
             return Ok(Fate::Due(why));
         }
-        if !stage.has(&options.scene) {
-            stage.clear();
-            *pass = None;
-        }
-        if pass.is_none() {
-            *pass = Some(self.gate.pass(self.estimate(task, loaded), || self.meter.is_cancelled())?);
-        }
+        self.admit(self.estimate(task, loaded), &options.scene, (&mut bench.stage, &mut bench.pass))?;
+        // Waiting is no part of the time that a picture may take.
+        let begin = Instant::now();
+        let stage = &mut bench.stage;
         let order = Order { options, loaded, start: begin, is_lenient: true };
         let read = stage.load(&order)?;
         // Nobody sees the warnings of a batch before they have replaced good pictures.
         Problems(stage.frozen()?.unread.clone()).into_result(())?;
         let Made { rendered, load, kept, .. } = stage.make(&order, read, progress)?;
         let frozen = stage.frozen()?;
-        tell_dropped(options, &frozen.scene, &rendered);
+        tell_dropped(options, &task.alone(), (&frozen.scene, &rendered));
         let bytes = memory::of_scene(&frozen.scene, &rendered);
-        self.measured().insert(options.scene.clone(), bytes);
+        self.measured().insert((options.scene.clone(), options.overrides.clone()), bytes);
         let notes = wanted.notes(frozen, self.library)?;
         write(options, frozen, &rendered, (load, &notes))?;
         if let Some(kept) = kept {
@@ -154,15 +149,32 @@ impl<'a> Whole<'a> {
         Ok(Fate::Made { why, time: begin.elapsed(), samples })
     }
 
+    /// Waits until a picture of a scene may take so many bytes; what is there of the picture before is given up where there is no room for it.
+    fn admit(
+        &self,
+        bytes: u64,
+        scene: &Path,
+        (stage, pass): (&mut Stage, &mut Option<Pass<'a>>),
+    ) -> Result<()> {
+        if stage.has(scene) && pass.as_mut().is_some_and(|pass| pass.resize(bytes)) {
+            return Ok(());
+        }
+        stage.clear();
+        *pass = None;
+        *pass = Some(self.gate.pass(bytes, || self.meter.is_cancelled())?);
+        Ok(())
+    }
+
     /// Bytes that a picture takes, about: with what its scene took before, where that is known.
     fn estimate(&self, task: &Task, loaded: &Loaded) -> u64 {
-        let known = self.measured().get(&task.options.scene).copied();
+        let RenderOptions { scene, overrides, .. } = &task.options;
+        let known = self.measured().get(&(scene.clone(), overrides.clone())).copied();
         let scene = known.unwrap_or_else(|| memory::of_files(loaded));
         let film = &loaded.description.film;
         scene.saturating_add(memory::of_film(&task.options, [film.width, film.height]))
     }
 
-    fn measured(&self) -> MutexGuard<'_, HashMap<PathBuf, u64>> {
+    fn measured(&self) -> MutexGuard<'_, HashMap<(PathBuf, Vec<String>), u64>> {
         self.measured.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -196,7 +208,7 @@ fn read<'a>(task: &Task, last: &'a mut Option<(Sources, Loaded)>) -> Result<&'a 
     let entry = match known {
         Some(entry) => entry,
         None => {
-            let loaded = scene::load_from(scene, (overrides, folder), &options.trust)?;
+            let loaded = scene::load_from(scene, task.job.replaced(), &options.trust)?;
             ((scene.clone(), overrides.clone(), folder.clone()), loaded)
         }
     };
@@ -216,4 +228,52 @@ fn in_words(error: Error, overrides: &[Located<String>]) -> Vec<String> {
         problem.to_string()
     };
     problems.0.into_iter().map(placed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tasks;
+    use super::*;
+    use crate::cli::interrupt::Interrupt;
+    use crate::cli::{Args, Command};
+    use clap::Parser as _;
+
+    #[test]
+    fn every_picture_asks_for_the_memory_that_it_takes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        };
+        let scene = "[render]\nspp = 1\n[materials.m]\ntype = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1\n";
+        write("a.toml", scene);
+        let job = |size: u32| {
+            format!(
+                "[[jobs]]\nname = 'a{size}'\nscene = 'a.toml'\noverrides = {{ film.width = {size}, film.height = {size} }}\n"
+            )
+        };
+        write("jobs.toml", &[4, 100, 8].map(job).concat());
+        let file = folder.path().join("jobs.toml");
+        let words = ["specula", "batch", "--memory", "1"].map(std::ffi::OsString::from);
+        let words = words.into_iter().chain([file.into_os_string()]);
+        let Command::Batch(args) = Args::try_parse_from(words).expect("parsed").command else {
+            panic!("another command")
+        };
+        let options = BatchOptions::new(&args).expect("valid");
+        let tasks = tasks::all(&options).expect("sound");
+        let library = Arc::new(Library::default());
+        let gate = Gate::new(options.memory, library.clone());
+        let meter = Meter::in_steps(true, ("pictures", STEPS), Interrupt::default());
+        let whole = Whole::new(&tasks, &options, (&library, &gate), &meter);
+        let studio = Studio::new(Some(NonZeroUsize::MIN)).expect("a thread");
+        let mut bench = Bench { stage: Stage::new(studio, library.clone()), loaded: None, pass: None };
+        let mut held = |task: &Task| {
+            let fate = whole.fate(task, &mut bench);
+            assert!(matches!(fate, Fate::Made { .. }), "{fate:?}");
+            bench.pass.as_ref().map_or(0, Pass::bytes)
+        };
+        let held: Vec<u64> = tasks.iter().map(&mut held).collect();
+        assert!(held[0] < 8 * 8 * 160, "a small one: {held:?}");
+        assert!(held[1] >= 100 * 100 * 160, "a large one of the same scene: {held:?}");
+        assert!(held[2] < held[1], "a small one again: {held:?}");
+    }
 }

@@ -11,7 +11,6 @@ use crate::cli::options::{FarmOptions, trust_words};
 use crate::error::Result;
 use crate::image::Window;
 use crate::render::{self, Outline, PartFile, Settings, Slice};
-use crate::scene::description::FuzzyBy;
 use crate::trust::Trust;
 
 /// A picture in slices.
@@ -22,8 +21,6 @@ pub(super) struct Job<'a> {
     pub(super) slices: u32,
     /// Those whose parts are not there yet, in their order.
     pub(super) missing: Vec<u32>,
-    /// Whether its slices keep checkpoints.
-    pub(super) has_checkpoints: bool,
     /// What tells its scene from others.
     pub(super) scene_hash: String,
     /// What tells its parts from those of other pictures.
@@ -48,13 +45,12 @@ impl<'a> Job<'a> {
             ..Settings::default()
         };
         let about = kept::about(&options.picture, &frozen)?;
-        let corners = options.picture.crop.map(|Window { x0, y0, x1, y1 }| [x0, y0, x1, y1]);
+        let corners = options.picture.crop.map(Window::corners);
         let digest = xxh3_64(json!([about, corners, of]).to_string().as_bytes());
         let mut job = Self {
             options,
             slices: of,
             missing: Vec::new(),
-            has_checkpoints: scene.render.glossy != FuzzyBy::TwoPass,
             scene_hash: frozen.hash.clone(),
             digest: format!("{:08x}", digest >> 32),
         };

@@ -6,13 +6,16 @@
 //! not as text. Both documents are JSON, which templates may be.
 
 use std::ffi::{OsStr, OsString};
+use std::io;
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::Duration;
 
 use serde_json::{Map, Value, json};
 
 use super::Written;
 use super::job::{CHECKPOINT, Job};
+use crate::cli::interrupt::Interrupt;
 use crate::error::{Error, Problem, Result};
 
 const TEMPLATE: &str = "template.json";
@@ -29,21 +32,25 @@ pub(super) fn files(job: &Job<'_>) -> Result<Vec<Written>> {
     Ok(vec![(TEMPLATE, text(&template)), (PARAMETERS, text(&parameters))])
 }
 
-/// Runs the template on this machine.
-pub(super) fn run(job: &Job<'_>) -> Result<()> {
+/// Runs the template on this machine; who asks this program to stop asks that one, too.
+pub(super) fn run(job: &Job<'_>, interrupt: &Interrupt) -> Result<()> {
     let template = job.options.dir.join(TEMPLATE);
     let mut parameters = OsString::from("file://");
     parameters.push(job.options.dir.join(PARAMETERS));
+    interrupt.check()?;
     // Standard output is for results, and what is told there is not.
-    let status = Command::new("openjd")
+    let child = Command::new("openjd")
         .args([OsStr::new("run"), template.as_os_str(), OsStr::new("-p"), &parameters])
         .stdin(Stdio::null())
-        .stdout(std::io::stderr())
-        .status();
+        .stdout(io::stderr())
+        .spawn();
+    let status = child.and_then(|child| wait(child, interrupt));
+    // Whatever its status: tasks that were asked to stop are no failures.
+    interrupt.check()?;
     let what = match status {
         Ok(status) if status.success() => return Ok(()),
         Ok(status) => format!("the job failed: {status}"),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => format!(
+        Err(error) if error.kind() == io::ErrorKind::NotFound => format!(
             "there is no `openjd` here; install it (`pip install openjd-cli`), or hand `{}` to an engine that takes Open Job \
              Descriptions by the engine's own command",
             template.display()
@@ -51,6 +58,39 @@ pub(super) fn run(job: &Job<'_>) -> Result<()> {
         Err(error) => format!("cannot run `openjd`: {error}"),
     };
     Err(Error::Backend { backend: "openjd", what })
+}
+
+/// Between looks at whether it has ended, or somebody asked to stop.
+const EVERY: Duration = Duration::from_millis(100);
+
+/// Waits until a program has ended, which is asked to stop once if somebody asks this one.
+fn wait(mut child: Child, interrupt: &Interrupt) -> io::Result<ExitStatus> {
+    let mut is_told = false;
+    loop {
+        if let Some(status) = child.try_wait()? {
+            return Ok(status);
+        }
+        if interrupt.is_asked() && !is_told {
+            is_told = true;
+            stop(&mut child)?;
+        }
+        std::thread::sleep(EVERY);
+    }
+}
+
+/// Asks a program to stop as Ctrl-C does; it has time for its checkpoints.
+#[cfg(unix)]
+fn stop(child: &mut Child) -> io::Result<()> {
+    let number = child.id().to_string();
+    let mut kill = Command::new("sh");
+    kill.args(["-c", "kill -INT \"$1\"", "sh", &number]).stdin(Stdio::null()).stdout(io::stderr());
+    // One that has ended meanwhile cannot be asked.
+    kill.status().map(|_| ())
+}
+
+#[cfg(not(unix))]
+fn stop(child: &mut Child) -> io::Result<()> {
+    child.kill()
 }
 
 /// Parameters as they are asked for.
@@ -169,11 +209,6 @@ fn template(job: &Job<'_>) -> Result<(Value, Value)> {
 
 /// What a task runs. All that may be odd comes as words.
 fn script(job: &Job<'_>) -> String {
-    let checkpoint = if job.has_checkpoints {
-        format!("{CHECKPOINT}\nset -- --checkpoint=\"$checkpoint\" --resume \"$@\"\n")
-    } else {
-        String::new()
-    };
     format!(
         r#"# Renders a slice of a picture; written by specula {}.
 set -eu
@@ -181,8 +216,9 @@ slice=$1 program=$2 dir=$3 folder=$4
 shift 4
 cd -- "$folder"
 part=$dir/{}$slice.part
-{checkpoint}# In place of this shell, so that it is asked itself to stop and writes a checkpoint.
-exec "$program" render --slice="$slice/{}" --output="$part" "$@"
+{CHECKPOINT}
+# In place of this shell, so that it is asked itself to stop and writes a checkpoint.
+exec "$program" render --slice="$slice/{}" --output="$part" --checkpoint="$checkpoint" --resume "$@"
 "#,
         env!("CARGO_PKG_VERSION"),
         job.stem(),

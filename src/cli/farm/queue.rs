@@ -176,13 +176,19 @@ fn rest(time: Duration, told: &Path, (ids, interrupt): (&Ids, &Interrupt)) -> Re
     let begin = Instant::now();
     while begin.elapsed() < time && read(told).is_none() {
         if let Err(error) = interrupt.check() {
-            let all: Vec<&str> = ids.tasks.iter().chain([&ids.merge]).map(String::as_str).collect();
-            tracing::warn!("the jobs go on; `scancel {}` ends them", all.join(" "));
+            tracing::warn!("the jobs go on; `{}` ends them", cancel(ids));
             return Err(error);
         }
         std::thread::sleep(Duration::from_millis(250));
     }
     Ok(())
+}
+
+/// The command that ends the jobs.
+fn cancel(ids: &Ids) -> String {
+    let cluster = ids.cluster.iter().map(|cluster| format!("--clusters={cluster}"));
+    let ids = ids.tasks.iter().chain([&ids.merge]).cloned();
+    ["scancel".to_owned()].into_iter().chain(cluster).chain(ids).collect::<Vec<_>>().join(" ")
 }
 
 /// What the status of the merge means for this command.
@@ -239,6 +245,9 @@ mod tests {
         assert_eq!(ids("tasks 12;c\nmerge 13;c\n"), some(Some("12"), "13", Some("c")), "several");
         assert_eq!(ids("merge 7\n"), some(None, "7", None), "merge alone");
         assert_eq!(ids("tasks 12\nmerge \n"), None, "no number");
+        let end = |told: &str| cancel(&ids(told).expect("numbers"));
+        assert_eq!(end("tasks 12\nmerge 13\n"), "scancel 12 13", "one cluster");
+        assert_eq!(end("tasks 12;c\nmerge 13;c\n"), "scancel --clusters=c 12 13", "several");
     }
 
     #[test]

@@ -7,9 +7,9 @@
 use std::ffi::OsString;
 
 use super::job::{CHECKPOINT, Job};
-use super::shell::Script;
 use super::{Written, flag};
 use crate::cli::options::SlurmOptions;
+use crate::cli::shell::Script;
 
 pub(super) const TASKS: &str = "tasks.sbatch";
 pub(super) const MERGE: &str = "merge.sbatch";
@@ -79,10 +79,9 @@ fi
 set -- render --slice="$slice/$slices" --output="$part""#,
             job.slices,
             job.stem(),
-        ));
-    if job.has_checkpoints {
-        script = script.lines(CHECKPOINT).lines(r#"set -- "$@" --checkpoint="$checkpoint" --resume"#);
-    }
+        ))
+        .lines(CHECKPOINT)
+        .lines(r#"set -- "$@" --checkpoint="$checkpoint" --resume"#);
     if !farm.has_threads {
         script = script.lines(r#"set -- "$@" --threads="${SLURM_CPUS_PER_TASK:-${SLURM_CPUS_ON_NODE:-1}}""#);
     }
@@ -150,7 +149,8 @@ fn submit(job: &Job<'_>, options: &SlurmOptions) -> Script {
     script.command("set --", sbatch()).lines(format!(
         r#"tasks=$(sbatch --parsable "$@" {TASKS})
 merge=$(sbatch --parsable "$@" --dependency="afterok:${{tasks%%;*}}" --kill-on-invalid-dep=yes {MERGE}) || {{
-    scancel "${{tasks%%;*}}"
+    cluster=${{tasks#"${{tasks%%;*}}"}}
+    scancel ${{cluster:+"--clusters=${{cluster#;}}"}} "${{tasks%%;*}}"
     exit 1
 }}
 printf 'tasks %s\nmerge %s\n' "$tasks" "$merge""#

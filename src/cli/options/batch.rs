@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::trust::Trusted;
-use super::values::{MOST_THREADS, frames, given, threads, time};
+use super::values::{MOST_THREADS, frames, given, threads, time, whole, with_unit};
 use crate::cli::args::BatchArgs;
 use crate::error::{Problems, Result};
 use crate::scene::description::Frames;
@@ -45,7 +45,8 @@ impl BatchOptions {
             jobs: args
                 .jobs
                 .as_deref()
-                .and_then(|text| jobs(text, &mut problems))
+                .and_then(|text| whole("jobs", text, 1..=MOST_THREADS, &mut problems))
+                .and_then(NonZeroUsize::new)
                 .unwrap_or(NonZeroUsize::MIN),
             memory: args.memory.as_deref().and_then(|text| memory(text, &mut problems)),
             checkpoint_every: every.and_then(|text| time("checkpoint-every", text, &mut problems)),
@@ -59,21 +60,16 @@ impl BatchOptions {
     }
 }
 
-fn jobs(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
-    let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
-    let remedy = || format!("give a whole number from 1 to {}", MOST_THREADS);
-    given(number, ("jobs", text), "a number of pictures", remedy, problems)
-}
-
 /// Bytes with their unit, by powers of 1024.
 fn memory(text: &str, problems: &mut Problems) -> Option<u64> {
-    let units = [("K", 10), ("M", 20), ("G", 30), ("T", 40)];
-    let plain = text.trim().trim_end_matches(['B', 'b']).trim_end_matches('i').to_ascii_uppercase();
-    let with_unit = |&(unit, power): &(&str, u32)| plain.strip_suffix(unit).map(|rest| (rest, power));
-    let (number, power) = units.iter().find_map(with_unit).unwrap_or((&plain, 0));
-    let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
-    let bytes =
-        number.map(|number| number * 2_f64.powi(power.cast_signed())).filter(|bytes| *bytes < 2_f64.powi(60));
+    const K: f64 = 1024.0;
+    let letters = [("K", K), ("M", K * K), ("G", K * K * K), ("T", K * K * K * K)];
+    let spelled =
+        |(letter, factor): (&str, f64)| ["IB", "B", ""].map(|end| (format!("{letter}{end}"), factor));
+    let spelled: Vec<(String, f64)> = letters.into_iter().flat_map(spelled).collect();
+    let units = spelled.iter().map(|(unit, factor)| (unit.as_str(), *factor)).chain([("B", 1.0)]);
+    let bytes = with_unit(&text.to_ascii_uppercase(), &units.collect::<Vec<_>>());
+    let bytes = bytes.filter(|bytes| *bytes < 2_f64.powi(60));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 2^60")]
     let bytes = bytes.map(|bytes| bytes as u64);
     let remedy = || "give a number of bytes above 0, or with its unit: 500M, 8G".to_owned();
@@ -94,10 +90,11 @@ mod tests {
             ("1.5GiB", 3 << 29),
             ("2 kB", 2048),
             ("1t", 1 << 40),
+            ("100 b", 100),
         ] {
             assert_eq!(parse(text), Some(bytes), "{text}");
         }
-        for text in ["", "G", "0", "-1G", "8X", "nan", "inf", "1e30"] {
+        for text in ["", "G", "0", "-1G", "8X", "8Gbb", "5i", "8iB", "nan", "inf", "1e30"] {
             assert_eq!(parse(text), None, "{text}");
         }
     }

@@ -43,7 +43,6 @@ impl BenchOptions {
         };
         let [rays, passes] = if args.quick { [4096, 3] } else { [16384, 5] };
         let asked = args.threads.as_deref().and_then(|text| threads(text, &mut problems));
-        let all = asked.or_else(|| std::thread::available_parallelism().ok());
         let settings = Settings {
             contestants,
             brute: args.backend.iter().any(|word| word == Backend::Brute.word()),
@@ -52,7 +51,7 @@ impl BenchOptions {
             classes,
             rays: number("rays", &args.rays, MOST_RAYS, rays, &mut problems),
             passes: number("passes", &args.passes, MOST_PASSES, passes, &mut problems),
-            threads: all.map_or(1, std::num::NonZero::get),
+            threads: crate::cli::threads::all(asked).get(),
         };
         check_files(args, &mut problems);
         let trusted = Trusted::new(&args.trust, &mut problems);

@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 
 use super::files::with_extension;
 use super::render::{RenderOptions, is_part, rendered_paths};
-use super::values::{given, on_command_line};
+use super::values::{on_command_line, whole};
 use crate::cli::args::{FIRST_PASS, FarmCommonArgs, OpenJdArgs, RenderArgs, SlurmArgs};
 use crate::error::{Error, Problems, Result};
 
@@ -89,7 +89,7 @@ impl FarmOptions {
                 source,
             })?,
         };
-        match RenderOptions::new(&whole(render, &outputs)) {
+        match RenderOptions::new(&all_of_it(render, &outputs)) {
             Err(error) => problems.absorb(error, None),
             Ok(picture) if problems.0.is_empty() => {
                 return Ok(Self {
@@ -116,7 +116,7 @@ impl FarmOptions {
 }
 
 /// The words for the whole picture, without what has been refused.
-fn whole(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
+fn all_of_it(args: &RenderArgs, outputs: &[PathBuf]) -> RenderArgs {
     RenderArgs {
         output: outputs.iter().filter(|path| !is_part(path)).cloned().collect(),
         slice: None,
@@ -197,8 +197,8 @@ fn check_sbatch(word: &OsStr, problems: &mut Problems) {
     let is_taken = if let Some(long) = text.strip_prefix("--") {
         let name = long.split('=').next().unwrap_or(long);
         // Beginnings of names are names.
-        name.len() > 2 && TAKEN.iter().any(|(taken, _)| taken.starts_with(name))
-    } else if let Some(short) = text.strip_prefix('-') {
+        TAKEN.iter().any(|(taken, _)| taken.starts_with(name))
+    } else if let Some(short) = text.strip_prefix('-').filter(|short| !short.is_empty()) {
         TAKEN.iter().any(|&(_, taken)| short.starts_with(taken))
     } else {
         let remedy = "give option and value as one word, such as --sbatch-option=--partition=fast";
@@ -210,9 +210,11 @@ fn check_sbatch(word: &OsStr, problems: &mut Problems) {
     }
 }
 
+/// Most slices, and most tasks at once; more is a slip of the hand.
+const MOST: usize = 1 << 24;
+
 fn count(flag: &str, text: &str, problems: &mut Problems) -> Option<u32> {
-    let number = text.trim().parse().ok().filter(|n: &u32| *n > 0);
-    given(number, (flag, text), "a number", || "give a whole number from 1 on".to_owned(), problems)
+    whole(flag, text, 1..=MOST, problems).and_then(|number| u32::try_from(number).ok())
 }
 
 /// The directory in which the command was given, by the name by which the shell knows it: where homes are mounted on demand, other machines
@@ -249,9 +251,21 @@ mod tests {
         for word in ["--partition=fast", "--hold", "-pfast", "--time=1:00", "--wait-all-nodes=1", "-c4"] {
             assert_eq!(told(word), [], "{word}");
         }
-        for word in ["--array=0-3", "--arr=0-3", "-a0-3", "--dependency=singleton", "-d", "-W", "--wrap=ls"] {
+        for word in [
+            "--array=0-3",
+            "--arr=0-3",
+            "--ar=0-3",
+            "-a0-3",
+            "--dependency=singleton",
+            "-d",
+            "-W",
+            "--wrap=ls",
+            "--",
+        ] {
             assert!(told(word).iter().any(|problem| problem.remedy.is_some()), "{word}");
         }
-        assert!(told("fast")[0].to_string().contains("one word"), "a value alone");
+        for word in ["fast", "-"] {
+            assert!(told(word)[0].to_string().contains("one word"), "{word}: a value alone");
+        }
     }
 }

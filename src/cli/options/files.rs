@@ -63,7 +63,7 @@ pub(super) fn outputs(paths: Vec<PathBuf>, problems: &mut Problems) -> Vec<Outpu
 }
 
 /// `stem` with an extension more, whatever dots it has.
-pub(super) fn with_extension(stem: &Path, extension: &str) -> PathBuf {
+pub(in crate::cli) fn with_extension(stem: &Path, extension: &str) -> PathBuf {
     let mut name = stem.as_os_str().to_owned();
     name.push(".");
     name.push(extension);

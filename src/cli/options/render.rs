@@ -12,7 +12,7 @@ use crate::cli::args::{
     CRYPTOMATTE, FIRST_PASS, PRUNING, PlanArgs, RenderArgs, further_outputs, specialised,
 };
 use crate::cli::frames;
-use crate::error::{Problems, Result};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::film::{Aov, Layout, Precision};
 use crate::image::{Format, Window};
 use crate::render::{Limits, Slice};
@@ -112,6 +112,31 @@ pub(in crate::cli) struct Checkpoints {
 }
 
 impl RenderOptions {
+    /// The picture of a scene trusted so far, with nothing else said, and no file to write.
+    pub(in crate::cli) fn of(scene: &Path, trust: Trust) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            outputs: Vec::new(),
+            parts: Vec::new(),
+            overrides: Vec::new(),
+            frames: None,
+            frame: None,
+            crop: None,
+            slice: None,
+            checkpoint: None,
+            layout: Layout::default(),
+            first_pass: false,
+            threads: None,
+            limits: Limits::default(),
+            specialise: Specialise::default(),
+            cost: None,
+            precision: Precision::Float,
+            stats: None,
+            trust,
+            display: None,
+        }
+    }
+
     /// What those words mean; all that is wrong with them at once.
     pub(in crate::cli) fn new(args: &RenderArgs) -> Result<Self> {
         let mut problems = Problems::default();
@@ -133,7 +158,8 @@ impl RenderOptions {
             }
         }
         if args.aov.iter().any(|name| name == FIRST_PASS) {
-            check_first_pass(args.checkpoint.is_some(), &checked, &mut problems);
+            let kept = args.checkpoint.as_ref().map(|_| "checkpoint");
+            check_first_pass(kept, checked.iter().map(|output| output.format), &mut problems);
         }
         let targets = checked.iter().map(|output| &output.path).chain(&others);
         targets.for_each(|target| spare([&args.scene], target, &mut problems));
@@ -207,16 +233,19 @@ fn places<'a>(frames: Option<&Frames>, paths: impl Iterator<Item = &'a PathBuf>,
     let Some(frames) = frames.filter(|frames| frames.numbers().len() > 1) else { return };
     for path in paths {
         if !frames::has_place(path) {
-            let count = frames.numbers().len();
-            let what = format!("`{}` would be written for each of {count} frames", path.display());
-            problems.push(
-                on_command_line(what).remedy("put #### or {frame} where its name is to have the number"),
-            );
+            let problem = same_for_all(path, frames.numbers().len());
+            problems.push(Problem { place: Some(Place::file("command line")), ..problem });
         } else if path.parent().is_some_and(frames::has_place) {
             let others = &frames.numbers()[1..];
             others.iter().for_each(|&frame| check_target(&frames::named(path, frame), problems));
         }
     }
+}
+
+/// That the name of a file has no place for the number of a frame, of which there are several.
+pub(in crate::cli) fn same_for_all(path: &Path, frames: usize) -> Problem {
+    let what = format!("`{}` would be written for each of {frames} frames", path.display());
+    Problem::new(what).remedy("put #### or {frame} where its name is to have the number")
 }
 
 /// Flags that a scene file knows as keys, as overrides; those of `-D` come first, so that a named flag wins.
@@ -309,13 +338,17 @@ fn checkpoint(args: &RenderArgs, problems: &mut Problems) -> Option<Checkpoints>
 /// Between copies, where nobody says.
 const EVERY: Duration = Duration::from_secs(60);
 
-/// What filtered reflections are filtered from has room in EXR files only.
-fn check_first_pass(is_kept: bool, outputs: &[Output], problems: &mut Problems) {
-    if is_kept {
-        let what = format!("`--checkpoint` beside the output `{FIRST_PASS}`, which no checkpoint holds");
+/// What filtered reflections are filtered from has room in EXR files only, and none in what a flag keeps.
+pub(in crate::cli) fn check_first_pass(
+    kept: Option<&str>,
+    mut formats: impl Iterator<Item = Format>,
+    problems: &mut Problems,
+) {
+    if let Some(flag) = kept {
+        let what = format!("`--{flag}` beside the output `{FIRST_PASS}`, which no checkpoint holds");
         problems.push(on_command_line(what).remedy("leave out one of them"));
     }
-    if outputs.iter().all(|output| output.format != Format::Exr) {
+    if formats.all(|format| format != Format::Exr) {
         let what = format!("the output `{FIRST_PASS}` without an EXR file, which alone can hold it");
         problems.push(on_command_line(what).remedy("name one by -o FILE.exr"));
     }

@@ -28,9 +28,7 @@ pub(super) fn crop(text: &str, problems: &mut Problems) -> Option<Window> {
 }
 
 pub(super) fn threads(text: &str, problems: &mut Problems) -> Option<NonZeroUsize> {
-    let number = text.trim().parse().ok().filter(|n: &NonZeroUsize| n.get() <= MOST_THREADS);
-    let remedy = || format!("give a whole number from 1 to {MOST_THREADS}");
-    given(number, ("threads", text), "a number of threads", remedy, problems)
+    whole("threads", text, 1..=MOST_THREADS, problems).and_then(NonZeroUsize::new)
 }
 
 /// A whole number in a range.
@@ -42,18 +40,23 @@ pub(super) fn whole(
 ) -> Option<usize> {
     let number = text.trim().parse().ok().filter(|n| range.contains(n));
     let remedy = || format!("give a whole number from {} to {}", range.start(), range.end());
-    given(number, (flag, text), &format!("a number of {flag}"), remedy, problems)
+    given(number, (flag, text), "a number in range", remedy, problems)
 }
 
 /// A time with its unit, seconds where there is none.
 pub(super) fn time(flag: &str, text: &str, problems: &mut Problems) -> Option<Duration> {
-    let units = [("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)];
-    let with_unit = |&(unit, seconds): &(&str, f64)| text.strip_suffix(unit).map(|rest| (rest, seconds));
-    let (number, seconds) = units.iter().find_map(with_unit).unwrap_or((text, 1.0));
-    let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0);
-    let time = number.and_then(|number| Duration::try_from_secs_f64(number * seconds).ok());
+    let seconds = with_unit(text, &[("ms", 1e-3), ("s", 1.0), ("m", 60.0), ("h", 3600.0)]);
+    let time = seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
     let remedy = || "give a number above 0 in seconds, or with its unit: 90s, 2m, 1.5h".to_owned();
     given(time, (flag, text), "a time", remedy, problems)
+}
+
+/// A number above 0 times the first of these units that stands behind it, if one does.
+pub(super) fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
+    let text = text.trim();
+    let found = |&(unit, factor): &(&str, f64)| text.strip_suffix(unit).map(|rest| (rest, factor));
+    let (number, factor) = units.iter().find_map(found).unwrap_or((text, 1.0));
+    number.trim().parse().ok().filter(|x: &f64| *x > 0.0).map(|number| number * factor)
 }
 
 pub(super) fn target_error(flag: &str, text: &str, problems: &mut Problems) -> Option<f64> {
@@ -88,7 +91,7 @@ mod tests {
     fn times_have_units() {
         let parse = |text| time("time-limit", text, &mut Problems::default());
         for (text, seconds) in
-            [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25)]
+            [("90", 90.0), ("90s", 90.0), ("0.5 m", 30.0), ("1.5h", 5400.0), ("250ms", 0.25), (" 90s ", 90.0)]
         {
             assert_eq!(parse(text), Some(Duration::from_secs_f64(seconds)), "{text}");
         }

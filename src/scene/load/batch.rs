@@ -81,7 +81,7 @@ fn quoted(key: &str) -> String {
 }
 
 /// The value that a node spells, to be written again.
-fn value(node: &Node) -> Option<Value> {
+pub(crate) fn value(node: &Node) -> Option<Value> {
     Some(match &node.content {
         Content::Boolean(value) => Value::Boolean(*value),
         Content::Integer(number) => Value::Integer(i64::try_from(*number).ok()?),

@@ -33,6 +33,7 @@ use crate::trust::Trust;
 pub use batch::{is_scene, load_batch};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, load_mesh_within};
+pub use overrides::from_root;
 use report::Report;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,28 +53,32 @@ pub struct Loaded {
 /// Files are trusted within the usual limits. Fails with everything wrong with the files and the overrides, each with its place and a
 /// remedy.
 pub fn load(path: &Path, overrides: &[String]) -> Result<Loaded> {
-    load_from(path, (overrides, Path::new("")), &Trust::default())
-}
-
-/// The same with files that overrides name as seen from `folder`.
-pub fn load_in(path: &Path, overrides: &[String], folder: &Path) -> Result<Loaded> {
-    load_from(path, (overrides, folder), &Trust::default())
+    load_within(path, overrides, &Trust::default())
 }
 
 /// The same as [`load`] of files that are trusted so far; overrides are trusted no farther.
 pub fn load_within(path: &Path, overrides: &[String], trust: &Trust) -> Result<Loaded> {
-    load_from(path, (overrides, Path::new("")), trust)
+    load_from(path, here(overrides), trust)
 }
 
-/// The same of files that are trusted so far, with files that overrides name as seen from a folder.
-pub fn load_from(path: &Path, (overrides, folder): (&[String], &Path), trust: &Trust) -> Result<Loaded> {
+/// Overrides, the files in them as seen from the current directory.
+fn here(overrides: &[String]) -> impl Iterator<Item = (&str, &Path)> {
+    overrides.iter().map(|text| (text.as_str(), Path::new("")))
+}
+
+/// The same of files that are trusted so far, with overrides that each have a folder from which files in it are seen.
+pub fn load_from<'a>(
+    path: &Path,
+    overrides: impl IntoIterator<Item = (&'a str, &'a Path)>,
+    trust: &Trust,
+) -> Result<Loaded> {
     let mut report = Report::default();
     let trust = Arc::new(trust.clone());
     let mut reader = Reader::new(trust.clone());
     let Some(mut tree) = reader.read(path, None, &mut report) else {
         return report.into_result(None);
     };
-    overrides::apply(&mut tree, (overrides, folder), &trust, &mut report);
+    overrides::apply(&mut tree, overrides, &trust, &mut report);
     let description = Description::decode(&tree, "scene", &Rules::default(), &mut report);
     if !reader.incomplete {
         references::check(&tree, &trust.limits, &mut report);
@@ -93,7 +98,7 @@ pub fn load_from(path: &Path, (overrides, folder): (&[String], &Path), trust: &T
 pub fn fuzzy_filter(settings: &[String]) -> Result<FuzzyFilter> {
     let mut report = Report::default();
     let mut tree = Node::nowhere();
-    overrides::apply(&mut tree, (settings, Path::new("")), &Arc::default(), &mut report);
+    overrides::apply(&mut tree, here(settings), &Arc::default(), &mut report);
     let filter = FuzzyFilter::decode(&tree, "fuzzy", &Rules::default(), &mut report);
     report.into_result(filter)
 }

@@ -4,6 +4,7 @@
 //! through tables by key and through arrays by index or by `name`; what is missing on the way is created, except items
 //! of arrays. Keys with dots are quoted as in TOML. The value is read as TOML, else taken as a string.
 
+use crate::scene::load::batch;
 use crate::scene::load::node::{Content, Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::source::{Source, Spot};
@@ -12,14 +13,14 @@ use crate::trust::{Limit, Trust};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Applies overrides to the tree, one after the other, files in them as seen from a folder; what is wrong with them is reported.
-pub(crate) fn apply(
+/// Applies overrides to the tree, one after the other, files in each as seen from a folder; what is wrong with them is reported.
+pub(crate) fn apply<'a>(
     tree: &mut Node,
-    (overrides, folder): (&[String], &Path),
+    overrides: impl IntoIterator<Item = (&'a str, &'a Path)>,
     trust: &Arc<Trust>,
     report: &mut Report,
 ) {
-    for (index, text) in overrides.iter().enumerate() {
+    for (index, (text, folder)) in overrides.into_iter().enumerate() {
         let source = Arc::new(Source::command_line(text, folder, index, trust));
         apply_one(tree, text, &source, report);
     }
@@ -46,6 +47,41 @@ fn apply_one(tree: &mut Node, text: &str, source: &Arc<Source>, report: &mut Rep
     let value = Node::parse_value(value.trim(), source, report);
     if let Err((what, remedy)) = set(tree, &path, value, &spot) {
         report.error(&spot, what, remedy);
+    }
+}
+
+/// The same override with files that are seen from the current directory named from the root, so that it can be given anywhere.
+#[must_use]
+pub fn from_root(text: &str) -> String {
+    let Some((path, value)) = split(text) else { return text.to_owned() };
+    let source = Arc::new(Source::command_line(text, Path::new(""), 0, &Arc::default()));
+    let mut node = Node::parse_value(value.trim(), &source, &mut Report::default());
+    let is_file = path.last().is_some_and(|key| key == FILE);
+    if !root(&mut node, is_file) {
+        return text.to_owned();
+    }
+    let key = &text[..text.len() - value.len()];
+    batch::value(&node).map_or_else(|| text.to_owned(), |value| format!("{key}{value}"))
+}
+
+/// The key of whatever names a file.
+const FILE: &str = "file";
+
+/// Names files in a value, or the one that it is, from the root; whether there are any.
+fn root(node: &mut Node, is_file: bool) -> bool {
+    match &mut node.content {
+        Content::String(text) if is_file => {
+            let Ok(path) = std::path::absolute(&*text) else { return false };
+            path.into_os_string().into_string().is_ok_and(|path| {
+                *text = path;
+                true
+            })
+        }
+        Content::Array(items) => items.iter_mut().fold(false, |any, item| root(item, false) || any),
+        Content::Table(entries) => {
+            entries.iter_mut().fold(false, |any, Entry { key, node, .. }| root(node, key == FILE) || any)
+        }
+        _ => false,
     }
 }
 
@@ -133,5 +169,23 @@ mod tests {
         assert_eq!(parts("a.\"b.c=\".d=1"), Some(("a|b.c=|d".into(), "1")), "quoted");
         assert_eq!(parts("a.b"), None, "no value");
         assert_eq!(parts("a.\"b=1"), None, "open quote");
+    }
+
+    #[test]
+    fn files_are_named_from_the_root() {
+        let here = std::env::current_dir().expect("somewhere");
+        let full = |name: &str| here.join(name).display().to_string();
+        for plain in ["render.spp=4", "materials.m.note=a.png", "a.file=/x/a.obj", "no override", "a.file=3"]
+        {
+            let told = from_root(plain);
+            assert!(told == plain || told == plain.replace("/x/a.obj", "\"/x/a.obj\""), "{told}");
+        }
+        let mesh = format!("shapes.0.file=\"{}\"", full("sub/a.obj"));
+        assert_eq!(from_root("shapes.0.file=sub/a.obj"), mesh, "a bare name");
+        assert_eq!(from_root("shapes.0.file='sub/a.obj'"), mesh, "a text");
+        let table = from_root("materials.m.reflectance = { file = 'a.png', repeat = [2.0, 1] }");
+        let wanted =
+            format!("materials.m.reflectance ={{ file = \"{}\", repeat = [2.0, 1] }}", full("a.png"));
+        assert_eq!(table, wanted, "a table");
     }
 }

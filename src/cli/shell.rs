@@ -40,7 +40,7 @@ impl Script {
 }
 
 /// A word that stands for itself. Within single quotes nothing means anything but the quote that ends them.
-pub(super) fn quoted(word: &OsStr) -> Vec<u8> {
+fn quoted(word: &OsStr) -> Vec<u8> {
     let bytes = word.as_encoded_bytes();
     let is_plain = |byte: &u8| byte.is_ascii_alphanumeric() || b"_-+./:=,@%".contains(byte);
     if !bytes.is_empty() && bytes.iter().all(is_plain) {
@@ -56,6 +56,11 @@ pub(super) fn quoted(word: &OsStr) -> Vec<u8> {
     }
     quoted.push(b'\'');
     quoted
+}
+
+/// The same as text, to be shown.
+pub(super) fn word(word: impl AsRef<OsStr>) -> String {
+    String::from_utf8_lossy(&quoted(word.as_ref())).into_owned()
 }
 
 #[cfg(all(test, unix))]
