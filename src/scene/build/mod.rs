@@ -107,8 +107,8 @@ pub fn build_from(
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let mut scene = Scene {
         world: Arc::new(builder.world),
+        textures: builder.textures.into_bitmaps(prunes.then_some(&builder.materials)),
         materials: builder.materials,
-        textures: builder.textures.into_bitmaps(prunes),
         lights: builder.lights,
         camera,
         origin: origin.0,

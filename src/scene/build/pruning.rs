@@ -84,12 +84,10 @@ impl Builder {
         rest
     }
 
-    /// The texture as one colour, where a picture or a pattern comes to that. Not for light, which is drawn from in another way where
-    /// it comes from a picture.
+    /// The texture as one colour, where a picture or a pattern comes to that. Not for light.
     pub(super) fn as_constant(&mut self, texture: Texture) -> Texture {
         let constant = match &texture {
             _ if !self.prunes => None,
-            Texture::Image { limit, .. } if limit.is_infinite() => None,
             Texture::Image { map, factor, limit } => match map.bitmap.constant() {
                 [Some(r), Some(g), Some(b), _] => Some((Rgb::new(r, g, b) * *factor).clamp(0.0, *limit)),
                 _ => None,
