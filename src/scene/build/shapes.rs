@@ -267,7 +267,7 @@ impl Builder {
                     return None;
                 }
                 self.warnings.extend(loaded.warnings.iter().cloned());
-                self.files.extend(loaded.libraries.iter().cloned());
+                self.files.extend(loaded.libraries.iter().map(|(path, _)| path.clone()));
                 if self.prunes && self.meshes.note((path, shading, about), &mut loaded) {
                     self.prune_mesh(file, &loaded.mesh);
                 }
