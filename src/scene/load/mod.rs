@@ -34,6 +34,7 @@ pub use batch::{is_scene, load_batch};
 use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, load_mesh_within};
 use report::Report;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -141,14 +142,14 @@ fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
 
 /// Hidden shapes that nothing shows.
 fn idle_prototypes(description: &Description) -> impl Iterator<Item = Problem> {
-    let shown: Vec<&str> = description
+    let shown: HashSet<&str> = description
         .shapes
         .iter()
         .filter_map(|shape| if let Form::Instance { of } = &shape.form { Some(of.as_str()) } else { None })
         .collect();
     description.shapes.iter().filter(|shape| shape.hidden).filter_map(move |shape| {
         let name = shape.name.as_ref().map(|name| name.as_str());
-        if name.is_some_and(|name| shown.contains(&name)) {
+        if name.is_some_and(|name| shown.contains(name)) {
             return None;
         }
         let problem = Problem::at(shape.place.clone(), "this shape is hidden and has no instance");

@@ -229,8 +229,9 @@ struct LibraryFile {
 /// The files of materials that a mesh names, each once in the order met. Fails, before any is read, where they are too many.
 fn library_files(outline: &Outline, path: &Path, trust: &Trust) -> Result<Vec<LibraryFile>> {
     let (mut files, mut lines, mut known) = (Vec::new(), HashSet::new(), HashSet::new());
-    for (names, line) in outline.libraries.iter().filter(|(names, _)| lines.insert(names.as_str())) {
-        for file in named_files(names, path, trust) {
+    for (names, line) in &outline.libraries {
+        let named = if lines.insert(names) { named_files(names, path, trust) } else { vec![] };
+        for file in named {
             if known.insert(file.clone()) {
                 files.push((file, *line));
             }
