@@ -6,9 +6,10 @@ use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
-use crate::scene::description::{Film, GlassShadows, Render};
+use crate::scene::description::{Film, Render};
 use crate::scene::needs::Asked;
 use crate::scene::needs::capability::{Capabilities, Capability};
+use crate::scene::needs::count;
 use crate::texture::Bitmap;
 use glam::DVec3;
 use std::sync::Arc;
@@ -32,9 +33,6 @@ pub struct Scene {
     pub film: Film,
     /// How light is followed.
     pub render: Render,
-    /// How light passes through glass towards shadow rays: never straight where the scene has no glass, which makes
-    /// those rays cheaper.
-    pub glass_shadows: GlassShadows,
     /// What placements and materials are called: by their own names, by the names in their files, or by their numbers.
     pub names: Names,
     /// What the scene asks for, of whatever was forced.
@@ -111,6 +109,14 @@ impl Scene {
         } else {
             None
         }
+    }
+
+    /// Renders by other settings from now on, which differ from the ones before in nothing that building looks at.
+    pub fn set(&mut self, render: &Render, film: &Film) {
+        (self.render, self.film) = (render.clone(), film.clone());
+        self.asked.retain(|asked| asked.capability != Capability::TwoPass);
+        self.asked.extend(count::two_pass(render));
+        self.required = count::set(&self.asked);
     }
 
     /// Whether a capability is there, because something of the scene asks for it or because it was forced. What building left

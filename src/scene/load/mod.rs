@@ -126,7 +126,7 @@ fn warnings(description: &Description) -> Vec<Problem> {
 /// Knobs of the ray tree that are set where another integrator is to run.
 fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
     const KNOBS: [&str; 3] = ["light_samples", "glossy_samples", "split_depth"];
-    if matches!(integrator, Integrator::Whitted | Integrator::Distribution) {
+    if integrator.is_ray_tree() {
         return Vec::new();
     }
     let entries = tree.get("render").and_then(Node::entries).unwrap_or_default();

@@ -19,7 +19,6 @@ pub use warnings::length;
 use crate::error::{Place, Problem};
 use crate::geometry::Shape;
 use crate::math::Aabb;
-use crate::scene::description::FuzzyBy;
 use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, Wanted};
 use measured::Measured;
@@ -75,7 +74,7 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Those of a scene, of which so much is wanted.
+    /// Those of a scene that was frozen for what is wanted.
     #[must_use]
     pub fn of(scene: &Scene, wanted: &Wanted) -> Self {
         Self {
@@ -119,13 +118,7 @@ pub fn warnings_of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
 
 fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
     let asked = scene.asked().iter().find(|asked| asked.capability == capability);
-    let of_picture = match capability {
-        Capability::Aovs => wanted.layout.aovs().len().saturating_sub(PLAIN),
-        Capability::AdaptiveSampling => usize::from(wanted.adaptive),
-        Capability::TwoPass => usize::from(scene.render.glossy == FuzzyBy::TwoPass),
-        _ => 0,
-    };
-    let count = asked.map_or(of_picture, |asked| asked.count);
+    let count = asked.map_or(0, |asked| asked.count);
     Need {
         capability,
         count,
@@ -135,9 +128,6 @@ fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
         time: measured::of(capability),
     }
 }
-
-/// Outputs of every picture: its colour and its coverage.
-const PLAIN: usize = 2;
 
 /// The meshes of a scene.
 fn meshes(scene: &Scene) -> impl Iterator<Item = &crate::geometry::Mesh> {
