@@ -211,7 +211,9 @@ const FAINTEST: f32 = 1e-4;
 /// What a clear surface passes on a straight way, and what the glass before it absorbed over `length`.
 fn passed(material: &Material, it: &Interaction, length: f32) -> Rgb<f32> {
     let inside = match material.medium() {
-        Some(medium) if !it.is_front() => medium.absorption.scale(-length).exp(),
+        Some(medium) if !it.is_front() && !medium.absorption.is_black() => {
+            medium.absorption.scale(-length).exp()
+        }
         _ => Rgb::WHITE,
     };
     inside * material.scattering.passes(it.wo.dot(it.ns).abs())

@@ -77,8 +77,10 @@ impl Needs {
     /// Those of a scene that was frozen for what is wanted.
     #[must_use]
     pub fn of(scene: &Scene, wanted: &Wanted) -> Self {
+        let times = measured::all();
+        let need = |it: Capability| need(scene, wanted, (it, times.get(it.word()).copied()));
         Self {
-            capabilities: Capability::ALL.into_iter().map(|it| need(scene, wanted, it)).collect(),
+            capabilities: Capability::ALL.into_iter().map(need).collect(),
             placements: scene.world.placements.len(),
             shapes: scene.world.shapes.len(),
             primitives: scene.world.primitive_count(),
@@ -116,7 +118,7 @@ pub fn warnings_of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
     warnings::of_triangles(scene, origins)
 }
 
-fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
+fn need(scene: &Scene, wanted: &Wanted, (capability, time): (Capability, Option<Measured>)) -> Need {
     let asked = scene.asked().iter().find(|asked| asked.capability == capability);
     let count = asked.map_or(0, |asked| asked.count);
     Need {
@@ -125,7 +127,7 @@ fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
         first: asked.and_then(|asked| asked.first.clone()),
         forced: count == 0 && scene.forces(capability),
         bytes: bytes::of(scene, wanted, capability),
-        time: measured::of(capability),
+        time,
     }
 }
 
