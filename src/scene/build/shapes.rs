@@ -191,9 +191,10 @@ impl Builder {
         }
     }
 
-    /// Whether nothing is there of what is made of these materials.
+    /// Whether nothing is there of what is made of these materials. Light from holes is left to be refused.
     fn is_hole(&mut self, materials: &[MaterialId], place: &Place) -> bool {
-        let is_hole = self.is_invisible(materials);
+        let shines = materials.iter().any(|id| self.materials[id.index()].emission.is_some());
+        let is_hole = !shines && self.is_invisible(materials);
         if is_hole {
             self.prune(Ineffective::Object, "its opacity is below a half everywhere", Some(place));
         }

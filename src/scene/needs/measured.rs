@@ -36,7 +36,8 @@ fn of_table(table: &str) -> HashMap<&str, Measured> {
         let row: Vec<&str> = row.collect();
         // The table has speeds.
         let speed: Option<f64> = row.get(ratio).and_then(|speed| speed.parse().ok());
-        if let (Some(name), Some(speed)) = (row.get(contestant), speed.filter(|speed| *speed > 0.0)) {
+        if let (Some(name), Some(speed)) = (row.get(contestant).copied(), speed.filter(|speed| *speed > 0.0))
+        {
             ratios.entry(name).or_default().push(speed.recip());
         }
     }
