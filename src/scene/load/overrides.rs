@@ -50,7 +50,7 @@ fn apply_one(tree: &mut Node, text: &str, source: &Arc<Source>, report: &mut Rep
 }
 
 /// The parts of the path, and the value; `None` without an equals sign or with an open quote.
-fn split(text: &str) -> Option<(Vec<String>, &str)> {
+pub(super) fn split(text: &str) -> Option<(Vec<String>, &str)> {
     let mut parts = vec![String::new()];
     let mut quote = None;
     for (i, c) in text.char_indices() {
