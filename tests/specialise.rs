@@ -218,7 +218,7 @@ fn the_list_has_what_the_picture_asks_for_and_nothing_that_it_does_not_look_for(
     assert_eq!(of_picture.map(|it| scene.uses(it)), [true; 3], "all of them");
     let mut scene = frozen(&described("ray_tree", &[]), &Wanted::default());
     assert_eq!(of_picture.map(|it| scene.uses(it)), [false; 3], "none");
-    scene.set(&two_pass.render, &two_pass.film);
+    scene.render = two_pass.render.clone();
     assert_eq!(of_picture.map(|it| scene.uses(it)), [false, false, true], "by another setting");
     // Rays that do not look for glass cannot be made to.
     let glass = Capability::GlassShadows;

@@ -6,10 +6,9 @@ use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
-use crate::scene::description::{Film, Render};
+use crate::scene::description::{Film, FuzzyBy, Render};
 use crate::scene::needs::Asked;
 use crate::scene::needs::capability::{Capabilities, Capability};
-use crate::scene::needs::count;
 use crate::texture::Bitmap;
 use glam::DVec3;
 use std::sync::Arc;
@@ -111,27 +110,23 @@ impl Scene {
         }
     }
 
-    /// Renders by other settings from now on, which differ from the ones before in nothing that building looks at.
-    pub fn set(&mut self, render: &Render, film: &Film) {
-        (self.render, self.film) = (render.clone(), film.clone());
-        self.asked.retain(|asked| asked.capability != Capability::TwoPass);
-        self.asked.extend(count::two_pass(render));
-        self.required = count::set(&self.asked);
-    }
-
     /// Whether a capability is there, because something of the scene asks for it or because it was forced. What building left
     /// out is not there whoever asks later.
     #[inline]
     #[must_use]
     pub fn uses(&self, capability: Capability) -> bool {
-        self.required.has(capability) || self.forced.has(capability)
+        self.requires(capability) || self.forces(capability)
     }
 
     /// Whether something of the scene asks for a capability.
     #[inline]
     #[must_use]
     pub fn requires(&self, capability: Capability) -> bool {
-        self.required.has(capability)
+        match capability {
+            // A setting that may change when all is built.
+            Capability::TwoPass => self.render.glossy == FuzzyBy::TwoPass,
+            _ => self.required.has(capability),
+        }
     }
 
     /// Whether a capability was switched on whether the scene asks for it or not.
@@ -141,7 +136,7 @@ impl Scene {
         self.forced.has(capability)
     }
 
-    /// What the scene asks for, how often, and who first.
+    /// What the scene asks for, how often, and who first; but for what is a setting, for which see [`Scene::requires`].
     #[must_use]
     pub fn asked(&self) -> &[Asked] {
         &self.asked

@@ -5,7 +5,7 @@ use crate::film::Layout;
 use crate::geometry::{PlacementId, Pose, Shape};
 use crate::light::Light;
 use crate::material::{MaterialId, Scattering};
-use crate::scene::description::{FuzzyBy, GlassShadows, Integrator, Render};
+use crate::scene::description::{GlassShadows, Integrator, Render};
 use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::scene::needs::lights::ChosenLights;
 use crate::scene::{Scene, Wanted};
@@ -48,14 +48,7 @@ pub(in crate::scene) fn asked(scene: &Scene, wanted: &Wanted, places: Places<'_>
     let plain = Layout::default().aovs().len();
     count.add(Capability::Aovs, wanted.layout.aovs().len().saturating_sub(plain), None);
     count.add(Capability::AdaptiveSampling, usize::from(wanted.adaptive), None);
-    count.asked.extend(two_pass(&scene.render));
     count.asked
-}
-
-/// The only thing that is asked for by a setting which may change without another building.
-pub(in crate::scene) fn two_pass(render: &Render) -> Option<Asked> {
-    let asked = Asked { capability: Capability::TwoPass, count: 1, first: None };
-    (render.glossy == FuzzyBy::TwoPass).then_some(asked)
 }
 
 /// What of these can be switched on in pictures that are rendered so.

@@ -120,7 +120,7 @@ pub fn warnings_of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
 
 fn need(scene: &Scene, wanted: &Wanted, (capability, time): (Capability, Option<Measured>)) -> Need {
     let asked = scene.asked().iter().find(|asked| asked.capability == capability);
-    let count = asked.map_or(0, |asked| asked.count);
+    let count = asked.map_or(usize::from(scene.requires(capability)), |asked| asked.count);
     Need {
         capability,
         count,
