@@ -107,7 +107,7 @@ pub fn build_from(
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let mut scene = Scene {
         world: Arc::new(builder.world),
-        textures: builder.textures.into_bitmaps(prunes.then_some(&builder.materials)),
+        textures: builder.textures.into_bitmaps(prunes.then_some(&builder.materials[..])),
         materials: builder.materials,
         lights: builder.lights,
         camera,

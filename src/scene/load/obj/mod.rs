@@ -54,7 +54,7 @@ pub(super) fn decode_obj(
         return Err(no_triangle(path, dropped.or(ignored)).into());
     }
     let files = library_files(&outline, path, trust)?;
-    let materials = materials((&outline, &files), &triangles.groups, (path, trust), &mut warnings)?;
+    let materials = materials((&outline, &files[..]), &triangles.groups, (path, trust), &mut warnings)?;
     let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
     let libraries = files.into_iter().map(|file| (file.path, file.stamp)).collect();
     Ok(LoadedMesh { materials, libraries, ..loaded })
@@ -243,7 +243,7 @@ fn library_files(outline: &Outline, path: &Path, trust: &Trust) -> Result<Vec<Li
         let line = allowed.and_then(|allowed| files.get(allowed)).map(|(_, line)| *line);
         Error::Refused(excess.at(Place { line, ..Place::file(path) }))
     })?;
-    let stamped = |(path, line)| LibraryFile { stamp: Stamp::of(&path), path, line };
+    let stamped = |(path, line): (PathBuf, u32)| LibraryFile { stamp: Stamp::of(&path), path, line };
     Ok(files.into_iter().map(stamped).collect())
 }
 
