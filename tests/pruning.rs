@@ -199,7 +199,7 @@ fn everything_without_effect_is_told_with_its_place() {
 fn light_by_a_pattern_stays_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.toml");
-    let lamp = "[materials.lamp]\ntype = \"emission\"\nradiance = { checker = [2.0, 2.0] }\n";
+    let lamp = "[materials.lamp]\ntype = \"emission\"\nradiance = { checker = [0.5, 0.5] }\n";
     fs::write(&path, format!("{lamp}[[shapes]]\ntype = \"sphere\"\nmaterial = \"lamp\"\n")).expect("a scene");
     let description = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}")).description;
     for wanted in [Wanted::anything(), Wanted::default()] {
