@@ -8,6 +8,7 @@ use image::{GrayImage, Luma, Rgba, RgbaImage};
 use specula::image::Window;
 use specula::image::exr::{self, Channel, Picture, Samples};
 use specula::math::Rgb;
+use specula::scene::{self, Wanted};
 
 const BACKENDS: [&str; 4] = ["embree", "bvh2", "cwbvh", "brute"];
 
@@ -137,9 +138,16 @@ fn only_shapes_with_holes_have_filters() {
 #[test]
 fn what_shines_has_no_holes() {
     let folder = folder();
-    let material = "type = \"emission\"\nradiance = 1\nopacity = { file = \"half.png\" }";
-    let message = folder.load(&square(WAYS[0], material)).expect_err("refused");
-    assert!(message.contains("a surface that emits light has holes"), "{message}");
+    GrayImage::new(2, 2).save(folder.path().join("none.png")).expect("written");
+    for opacity in ["half.png", "none.png"] {
+        let material = format!("type = \"emission\"\nradiance = 1\nopacity = {{ file = \"{opacity}\" }}");
+        folder.write("scene.toml", &square(WAYS[0], &material));
+        let loaded = scene::load(&folder.path().join("scene.toml"), &[]).expect("a scene");
+        for wanted in [Wanted::anything(), Wanted::default()] {
+            let message = scene::build_for(&loaded.description, &wanted).expect_err("refused").to_string();
+            assert!(message.contains("a surface that emits light has holes"), "{opacity}: {message}");
+        }
+    }
 }
 
 #[test]

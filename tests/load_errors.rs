@@ -37,6 +37,20 @@ const CASES: &[Case] = &[
         ],
     ),
     file(
+        "materials that nothing is made of",
+        "[materials]\nice = { type = 'dielectric' }\nlit = { type = 'diffuse', emission = 1 }\n\
+         dark = { type = 'diffuse', emission = [0, 0, 0] }\nmetal = { type = 'conductor', metal = 'Xx' }\n\
+         two = { type = 'mix', parts = [{ material = 'ice' }, { material = 'ice', weight = 0 }] }\n\
+         lamp = { type = 'mix', parts = [{ material = 'lit' }, { material = 'dark' }] }\n\
+         both = { type = 'diffuse', normal_map = { file = 'a.png' }, bump = { file = 'a.png' } }\n",
+        &[
+            "scene.toml:5:39: unknown metal `Xx`; known are Ag, Al, Au, Cr, Cu, Fe, Ni, Pt, Ti, W, silver, aluminium, aluminum, gold, chromium, copper, iron, nickel, platinum, titanium, tungsten",
+            "scene.toml:6:1: `two` would be the surface of two bodies; let one part at most be a `dielectric`",
+            "scene.toml:7:46: `lit` shines, which a part of a mix cannot; give the mix a key `emission` instead",
+            "scene.toml:8:68: `bump` beside `normal_map`; give one of them",
+        ],
+    ),
+    file(
         "an empty file",
         "",
         &[

@@ -9,10 +9,12 @@ use specula::material::Scattering;
 use specula::render::{Settings, Silent, render};
 use specula::scene::needs::capability::Capability;
 use specula::scene::pruned::Ineffective;
-use specula::scene::{self, Built, Needs, Pruned, Wanted};
+use specula::scene::{self, Built, Library, Needs, Pruned, Wanted};
+use specula::trust::Trust;
 use std::fs;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Arc;
 use support::bits;
 
 /// A gray picture of one shade, and one of two.
@@ -137,8 +139,11 @@ fn both() -> [Built; 2] {
     let path = folder.path().join("scene.toml");
     fs::write(&path, SCENE).expect("a scene");
     let description = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}")).description;
-    [Wanted::anything(), Wanted::default()]
-        .map(|wanted| scene::build_for(&description, &wanted).unwrap_or_else(|error| panic!("{error}")))
+    // What a library keeps of pictures is not in the scene for that.
+    let from = (&Trust::default(), &Arc::new(Library::of_bytes(1 << 20)));
+    [Wanted::anything(), Wanted::default()].map(|wanted| {
+        scene::build_from(&description, &wanted, from).unwrap_or_else(|error| panic!("{error}"))
+    })
 }
 
 fn film(built: &Built) -> Film {
@@ -188,6 +193,19 @@ fn everything_without_effect_is_told_with_its_place() {
         whole.pruned.iter().all(|it| matches!(it.kind, Ineffective::Light | Ineffective::Object)),
         "{whole:?}"
     );
+}
+
+#[test]
+fn light_by_a_pattern_stays_one() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("scene.toml");
+    let lamp = "[materials.lamp]\ntype = \"emission\"\nradiance = { checker = [0.5, 0.5] }\n";
+    fs::write(&path, format!("{lamp}[[shapes]]\ntype = \"sphere\"\nmaterial = \"lamp\"\n")).expect("a scene");
+    let description = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}")).description;
+    for wanted in [Wanted::anything(), Wanted::default()] {
+        let error = scene::build_for(&description, &wanted).expect_err("a ball").to_string();
+        assert!(error.contains("only meshes and rectangles can emit light by a texture"), "{error}");
+    }
 }
 
 #[test]

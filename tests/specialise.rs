@@ -210,6 +210,26 @@ fn the_list_is_true_of_what_was_built() {
 }
 
 #[test]
+fn the_list_has_what_the_picture_asks_for_and_nothing_that_it_does_not_look_for() {
+    let wanted = Wanted { adaptive: true, ..Wanted::picture(Layout::with([Aov::Uv])) };
+    let of_picture = [Capability::Aovs, Capability::AdaptiveSampling, Capability::TwoPass];
+    let two_pass = described("ray_tree", &["render.glossy=two-pass"]);
+    let scene = frozen(&two_pass, &wanted);
+    assert_eq!(of_picture.map(|it| scene.uses(it)), [true; 3], "all of them");
+    let mut scene = frozen(&described("ray_tree", &[]), &Wanted::default());
+    assert_eq!(of_picture.map(|it| scene.uses(it)), [false; 3], "none");
+    scene.render = two_pass.render.clone();
+    assert_eq!(of_picture.map(|it| scene.uses(it)), [false, false, true], "by another setting");
+    // Rays that do not look for glass cannot be made to.
+    let glass = Capability::GlassShadows;
+    let forced = Wanted { forced: Capabilities::NONE.with(glass), ..Wanted::default() };
+    for setting in ["render.integrator=path", "render.glass_shadows=opaque"] {
+        let scene = frozen(&described("ray_tree", &[setting]), &forced);
+        assert!(!scene.uses(glass), "{setting}");
+    }
+}
+
+#[test]
 fn parameters_are_kept_where_somebody_reads_them() {
     let description = described("model", &[]);
     let has_uvs = |wanted: &Wanted| is_there(&frozen(&description, wanted), Capability::SurfaceParameters);

@@ -24,6 +24,7 @@ fn desk(rest: &str) -> Desk {
     let write = |name: &str, text: &str| fs::write(desk.path(name), text).expect("written");
     write("scene.toml", &format!("{SCENE}{rest}"));
     write("a.obj", OBJ);
+    write("many.obj", &format!("mtllib a.mtl\nmtllib b.mtl a.mtl\n{OBJ}"));
     write("a.ply", PLY);
     image::GrayImage::new(5, 4).save(desk.path("a.png")).expect("written");
     desk
@@ -64,7 +65,7 @@ fn what_is_asked_for_is_limited() {
     let ball = "[[shapes]]\ntype = 'sphere'\nname = 's0'\nmaterial = 'm'\n".to_owned();
     let chain = ball + &(1..7).map(instance).collect::<String>();
     // What is asked for, a limit that refuses it and one that just does not, and the place and what is told.
-    let cases: [(&str, String, &str, &str, &str); 14] = [
+    let cases: [(&str, String, &str, &str, &str); 15] = [
         (
             "pixels",
             String::new(),
@@ -107,6 +108,13 @@ fn what_is_asked_for_is_limited() {
             "1",
             "2",
             "scene.toml:19:8: with this the scene has 2 files",
+        ),
+        (
+            "files",
+            shape("type = 'mesh'\nfile = 'many.obj'"),
+            "2",
+            "3",
+            "many.obj:2: 3 files, and 2 are allowed",
         ),
         ("nesting", chain, "4", "7", ": an instance of an instance and so on: 5 levels"),
     ];
@@ -353,6 +361,11 @@ fn a_sandbox_has_all_that_lies_in_it_and_tells_nothing_of_the_rest() {
     // Nothing is told of what is outside, not even whether it is there.
     let (_, log) = yarded(&desk, ("", &mesh_of("../lost.obj")), &["--sandbox"]);
     assert!(log.contains("lies outside") && !log.contains("no such file"), "{log}");
+    fs::write(desk.path("in/space.obj"), format!("mtllib ../out one.mtl\nusemtl a\n{OBJ}")).expect("written");
+    let told = || yarded(&desk, ("", &mesh_of("space.obj")), &["--sandbox"]);
+    let before = told();
+    fs::write(desk.path("out one.mtl"), "").expect("written");
+    assert_eq!(told(), before, "the same of a file of materials with a space in its name");
     let (status, log) = yarded(&desk, ("", &mesh_of("a.obj")), &["--sandbox", "-D", "shapes.0.file=out.obj"]);
     assert!(status == 2 && log.contains("command line: ") && log.contains("lies outside"), "{log}");
     for file in ["a.obj", "alias.obj", "sub/../a.obj", "../in/a.obj", &inside] {

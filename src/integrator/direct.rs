@@ -11,7 +11,7 @@ use crate::light::{Emitter, Light, LightSample, Reference};
 use crate::material::{Material, MaterialId};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
-use crate::scene::GlassShadows;
+use crate::scene::needs::capability::Capability;
 
 /// A point that light falls on.
 pub(super) struct Receiver<'a> {
@@ -89,10 +89,14 @@ fn from_light<A: Accel>(
         return Rgb::BLACK;
     }
     let Some(ray) = towards(stage, receiver, light, (&sample, below), counters) else { return Rgb::BLACK };
-    let straight = !diffuse.is_black() && stage.scene.glass_shadows == GlassShadows::Straight;
-    let medium = receiver.media[usize::from(below)];
-    let length = if light.is_infinite() { f32::INFINITY } else { (sample.p - receiver.it.p.into()).length() };
-    let unhindered = (diffuse + glossy) * stage.scene.absorbed(medium, length);
+    let straight = !diffuse.is_black() && stage.scene.uses(Capability::GlassShadows);
+    let mut unhindered = diffuse + glossy;
+    if stage.scene.uses(Capability::Absorption) {
+        let medium = receiver.media[usize::from(below)];
+        let way = sample.p - receiver.it.p.into();
+        let length = if light.is_infinite() { f32::INFINITY } else { way.length() };
+        unhindered *= stage.scene.absorbed(medium, length);
+    }
     if let Some(deferred) = worker.deferred.as_mut().filter(|_| !straight) {
         counters.shadow += 1;
         deferred.push(&ray, carried * unhindered);
@@ -207,7 +211,9 @@ const FAINTEST: f32 = 1e-4;
 /// What a clear surface passes on a straight way, and what the glass before it absorbed over `length`.
 fn passed(material: &Material, it: &Interaction, length: f32) -> Rgb<f32> {
     let inside = match material.medium() {
-        Some(medium) if !it.is_front() => medium.absorption.scale(-length).exp(),
+        Some(medium) if !it.is_front() && !medium.absorption.is_black() => {
+            medium.absorption.scale(-length).exp()
+        }
         _ => Rgb::WHITE,
     };
     inside * material.scattering.passes(it.wo.dot(it.ns).abs())

@@ -31,6 +31,7 @@ use crate::light::Reference;
 use crate::material::{Crossing, MOST_HIDDEN, Media};
 use crate::math::Rgb;
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
+use crate::scene::needs::capability::Capability;
 use crate::texture::Spot;
 use glam::Vec3;
 
@@ -441,11 +442,11 @@ pub(super) fn arrive<A: Accel>(
 ) -> Option<Arrival> {
     for _ in 0..MOST_HIDDEN {
         let Some(hit) = node.found.take().unwrap_or_else(|| stage.accel.intersect(&node.ray)) else {
-            absorb(stage, node, f32::INFINITY);
+            absorb(stage, node, None);
             return None;
         };
         let it = stage.scene.world.interaction(&node.ray, &hit);
-        absorb(stage, node, it.p.distance(node.start));
+        absorb(stage, node, Some(it.p));
         let (id, material) = stage.scene.material(&it);
         let Some(medium) = material.medium() else {
             return Some(Arrival { it, eta: 1.0, beyond: node.media });
@@ -467,9 +468,12 @@ pub(super) fn arrive<A: Accel>(
     None
 }
 
-/// What the medium that the branch is in leaves of light over `length` metres.
-fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, length: f32) {
-    node.beta *= stage.scene.absorbed(node.media.current(), length);
+/// What the medium that the branch is in leaves of light on its way to a point, or out of the scene.
+fn absorb<A: Accel>(stage: &Stage<'_, A>, node: &mut Node, to: Option<Vec3>) {
+    if stage.scene.uses(Capability::Absorption) {
+        let length = to.map_or(f32::INFINITY, |p| p.distance(node.start));
+        node.beta *= stage.scene.absorbed(node.media.current(), length);
+    }
 }
 
 fn environment<A: Accel>(stage: &Stage<'_, A>, node: &Node) -> Rgb<f32> {

@@ -12,7 +12,8 @@ pub use scattering::{Facets, Layer, Scattering};
 use crate::bsdf::Mix;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::{Relief, Scalar, Spot, Texture};
+use crate::texture::{Bitmap, Relief, Scalar, Spot, Texture};
+use std::sync::Arc;
 
 /// Which material of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -69,8 +70,17 @@ impl Material {
     /// Whether it shows any picture, or asks one for its normal.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        let shows = self.emission.as_ref().is_some_and(|emission| emission.radiance.bitmap().is_some());
+        let shows = self.emission.as_ref().is_some_and(|emission| emission.radiance.map().is_some());
         shows || self.scattering.has_images() || self.relief.is_some()
+    }
+
+    /// The pictures of it, those of its relief and of its opacity included; one may come twice.
+    pub fn bitmaps(&self) -> impl Iterator<Item = &Arc<Bitmap>> {
+        let emission = self.emission.as_ref().and_then(|emission| emission.radiance.map());
+        let relief = self.relief.as_ref().map(Relief::map);
+        let opacity = self.opacity.as_ref().map(|opacity| &opacity.map);
+        let own = [emission, relief, opacity].into_iter().flatten();
+        own.chain(self.scattering.maps()).map(|map| &map.bitmap)
     }
 
     /// Whether anything of it changes over the surface parameters.

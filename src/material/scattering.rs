@@ -8,7 +8,7 @@ use crate::bsdf::{
 use crate::material::Medium;
 use crate::math::Rgb;
 use crate::math::lanes::Lanes;
-use crate::texture::{Scalar, Spot, Texture};
+use crate::texture::{Mapped, Scalar, Spot, Texture};
 
 /// What a surface does with light.
 #[derive(Clone, Debug, PartialEq)]
@@ -204,8 +204,16 @@ impl Scattering {
     /// Whether it shows any picture.
     #[must_use]
     pub fn has_images(&self) -> bool {
-        self.parts()
-            .any(|part| part.texture().is_some_and(|t| t.bitmap().is_some()) || part.width().is_some())
+        self.maps().next().is_some()
+    }
+
+    /// The pictures that it shows, and how they lie.
+    pub(super) fn maps(&self) -> impl Iterator<Item = &Mapped> {
+        self.parts().flat_map(|part| {
+            [part.texture().and_then(Texture::map), part.width().map(|width| &width.map)]
+                .into_iter()
+                .flatten()
+        })
     }
 
     /// What colours a single surface.

@@ -40,21 +40,18 @@ pub fn shading(scene: &Scene) -> Level {
 
 fn chosen(render: &crate::scene::description::Render) -> Chosen {
     let of = |query, why| Chosen { query, why };
-    let is_tree = matches!(render.integrator, Integrator::Whitted | Integrator::Distribution);
-    if is_tree && render.glossy == FuzzyBy::TwoPass {
+    if render.integrator.is_ray_tree() && render.glossy == FuzzyBy::TwoPass {
         return of(Query::Single, "the first of two passes asks one ray at a time");
     }
     if let Some(query) = render.query {
         return of(query, "as asked for");
     }
     let has_packets = render.backend == Backend::Embree;
-    match render.integrator {
-        Integrator::Path => of(Query::Stream, "paths are followed many at a time"),
-        Integrator::Whitted | Integrator::Distribution | Integrator::View if has_packets => {
-            of(Query::Stream, "camera and shadow rays are faster in packets")
-        }
-        Integrator::Whitted | Integrator::Distribution | Integrator::View => {
-            of(Query::Single, "this backend has single rays only")
-        }
+    if render.integrator == Integrator::Path {
+        return of(Query::Stream, "paths are followed many at a time");
     }
+    if has_packets {
+        return of(Query::Stream, "camera and shadow rays are faster in packets");
+    }
+    of(Query::Single, "this backend has single rays only")
 }

@@ -6,7 +6,7 @@ use crate::geometry::{Interaction, PlacementId, World};
 use crate::light::{Environment, Light, LightId};
 use crate::material::{Material, MaterialId};
 use crate::math::Rgb;
-use crate::scene::description::{Film, GlassShadows, Render};
+use crate::scene::description::{Film, FuzzyBy, Render};
 use crate::scene::needs::Asked;
 use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::texture::Bitmap;
@@ -32,9 +32,6 @@ pub struct Scene {
     pub film: Film,
     /// How light is followed.
     pub render: Render,
-    /// How light passes through glass towards shadow rays: never straight where the scene has no glass, which makes
-    /// those rays cheaper.
-    pub glass_shadows: GlassShadows,
     /// What placements and materials are called: by their own names, by the names in their files, or by their numbers.
     pub names: Names,
     /// What the scene asks for, of whatever was forced.
@@ -118,14 +115,18 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn uses(&self, capability: Capability) -> bool {
-        self.required.has(capability) || self.forced.has(capability)
+        self.requires(capability) || self.forces(capability)
     }
 
     /// Whether something of the scene asks for a capability.
     #[inline]
     #[must_use]
     pub fn requires(&self, capability: Capability) -> bool {
-        self.required.has(capability)
+        match capability {
+            // A setting that may change when all is built.
+            Capability::TwoPass => self.render.glossy == FuzzyBy::TwoPass,
+            _ => self.required.has(capability),
+        }
     }
 
     /// Whether a capability was switched on whether the scene asks for it or not.
@@ -135,7 +136,7 @@ impl Scene {
         self.forced.has(capability)
     }
 
-    /// What the scene asks for, how often, and who first.
+    /// What the scene asks for, how often, and who first; but for what is a setting, for which see [`Scene::requires`].
     #[must_use]
     pub fn asked(&self) -> &[Asked] {
         &self.asked

@@ -123,8 +123,8 @@ pub(super) struct Made<T> {
     pub(super) bytes: usize,
     /// What it asks of limits, which was allowed when it was made.
     pub(super) takes: (Limit, u64),
-    /// Files besides the one asked for.
-    pub(super) more: Vec<PathBuf>,
+    /// Files besides the one asked for, as they were before they were read.
+    pub(super) more: Vec<(PathBuf, Stamp)>,
 }
 
 impl Library {
@@ -212,7 +212,6 @@ impl Library {
         }
         made.map(|Made { thing, takes, more, .. }| {
             let thing = Arc::new(thing);
-            let more = more.into_iter().map(|path| (path.clone(), Stamp::of(&path)));
             let of = std::iter::once((path.to_owned(), stamp)).chain(more).collect();
             *kept = Some(Kept { thing: thing.clone(), bytes, takes, of });
             shelf.bytes += bytes;
@@ -258,7 +257,8 @@ mod tests {
         let made = || {
             let thing = fs::read(path).map_err(|_| Problem::new("cannot read"))?;
             let takes = (Limit::Bytes, thing.len() as u64);
-            Ok(Made { bytes: thing.len(), takes, thing, more: vec![path.with_extension("more")] })
+            let more = path.with_extension("more");
+            Ok(Made { bytes: thing.len(), takes, thing, more: vec![(more.clone(), Stamp::of(&more))] })
         };
         let thing: Result<Arc<Vec<u8>>> = library.thing(path, form, &Trust::default(), made);
         thing.map(|thing| thing.to_vec()).unwrap_or_default()
@@ -284,6 +284,22 @@ mod tests {
         fs::remove_file(&path).expect("removed");
         assert_eq!(read(&library, &path, Form::Heights), b"", "none");
         assert_eq!(library.bytes(), 3, "what is left is the other form");
+    }
+
+    #[test]
+    fn a_file_that_was_replaced_while_others_were_read_is_read_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [path, more] = ["a", "b"].map(|name| folder.path().join(name));
+        let library = Library::of_bytes(100);
+        let ask = |next: &str| {
+            let made = || {
+                let (stamp, thing) = (Stamp::of(&more), fs::read_to_string(&more).unwrap_or_default());
+                fs::write(&more, next).expect("written");
+                Ok(Made { bytes: 1, takes: (Limit::Bytes, 1), thing, more: vec![(more.clone(), stamp)] })
+            };
+            library.thing(&path, Form::Heights, &Trust::default(), made).expect("made").to_string()
+        };
+        assert_eq!(["one", "another"].map(ask), ["", "one"], "as it is now");
     }
 
     #[test]

@@ -28,6 +28,17 @@ pub enum Relief {
     Heights(Heights),
 }
 
+impl Relief {
+    /// The picture and how it lies.
+    #[must_use]
+    pub fn map(&self) -> &Mapped {
+        match self {
+            Self::Normals(normals) => &normals.map,
+            Self::Heights(heights) => &heights.map,
+        }
+    }
+}
+
 /// Where a texture is asked.
 #[derive(Clone, Copy, Debug)]
 pub struct Spot<F> {
@@ -74,10 +85,10 @@ impl Texture {
         matches!(self, Self::Constant(_))
     }
 
-    /// The picture that it shows, if it does.
+    /// The picture that it shows and how it lies, if it does.
     #[must_use]
-    pub fn bitmap(&self) -> Option<&Bitmap> {
-        if let Self::Image { map, .. } = self { Some(&map.bitmap) } else { None }
+    pub fn map(&self) -> Option<&Mapped> {
+        if let Self::Image { map, .. } = self { Some(map) } else { None }
     }
 
     /// The mean over the surface parameters.

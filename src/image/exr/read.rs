@@ -1,7 +1,7 @@
 //! Reading.
 
 use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
 use exr::image::read::read as reader;
@@ -39,7 +39,7 @@ pub fn read_within(path: &Path, trust: &Trust) -> Result<Picture> {
 
 /// The same of the bytes of a file; `path` is for messages.
 pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
-    let claimed = check((bytes, path), &headers(path, bytes)?, limits)?;
+    let claimed = check((bytes, path), &headers(path, Cursor::new(bytes))?, limits)?;
     let reader =
         reader().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
     let reader = if claimed < FEW_BYTES { reader.non_parallel() } else { reader };
@@ -81,7 +81,7 @@ pub struct ChannelInfo {
 
 /// The channels of an EXR file, read from its header alone.
 pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
-    let headers = headers(path, &Trust::default().read(path, files::UNREAD)?)?;
+    let headers = headers_of(path)?;
     let infos = headers.iter().flat_map(|header| {
         header.channels.list.iter().map(|channel| ChannelInfo {
             part: header.own_attributes.layer_name.as_ref().map(ToString::to_string),
@@ -95,14 +95,17 @@ pub fn channels(path: &Path) -> Result<Vec<ChannelInfo>> {
 
 /// The metadata of an EXR file that are text, read from its header alone.
 pub fn attributes(path: &Path) -> Result<Vec<(String, String)>> {
-    let io = |source| Error::Io { path: path.to_owned(), what: files::UNREAD, source };
-    let file = BufReader::new(File::open(path).map_err(io)?);
-    let meta = MetaData::read_from_buffered(file, false).map_err(|e| refused(path, &e))?;
-    Ok(meta.headers.first().map(|header| texts_of(&header.own_attributes)).unwrap_or_default())
+    Ok(headers_of(path)?.first().map(|header| texts_of(&header.own_attributes)).unwrap_or_default())
 }
 
-fn headers(path: &Path, bytes: &[u8]) -> Result<Vec<Header>> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|e| refused(path, &e))?;
+/// What a file says before its samples, of which none is read.
+fn headers_of(path: &Path) -> Result<Vec<Header>> {
+    let io = |source| Error::Io { path: path.to_owned(), what: files::UNREAD, source };
+    headers(path, BufReader::new(File::open(path).map_err(io)?))
+}
+
+fn headers(path: &Path, from: impl Read) -> Result<Vec<Header>> {
+    let meta = MetaData::read_from_buffered(from, false).map_err(|e| refused(path, &e))?;
     Ok(meta.headers.into_vec())
 }
 

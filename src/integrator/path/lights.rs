@@ -23,8 +23,10 @@ pub(super) struct Lights {
     probabilities: Vec<f32>,
     direct: Direct,
     tree: Option<LightTree>,
-    /// Whether the only one is chosen, too.
-    forced: bool,
+    /// Whether one is chosen; else there is one at most.
+    chooses: bool,
+    /// Whether normals of surfaces count in the choice.
+    normals: bool,
 }
 
 /// The lights of some lanes.
@@ -45,7 +47,8 @@ impl Lights {
             (0..).map(LightId).zip(&scene.lights).filter(|(_, light)| is_asked(light, scene.render.direct))
         };
         let choice = ChosenLights::of(scene).choice;
-        let tree = if choice == LightChoice::Tree { LightTree::new(all()) } else { None };
+        let chooses = scene.uses(Capability::LightChoice);
+        let tree = if chooses && choice == LightChoice::Tree { LightTree::new(all()) } else { None };
         let radius = scene.world.bounds().radius();
         // Where there is a tree, each light at infinity is as likely as all of it.
         let weight = |light: &Light| match choice {
@@ -69,8 +72,10 @@ impl Lights {
             chances,
             probabilities,
             direct: scene.render.direct,
+            // Who measures what a choice takes means all of it.
+            normals: tree.is_some() || scene.forces(Capability::LightChoice),
             tree,
-            forced: scene.forces(Capability::LightChoice),
+            chooses,
         }
     }
 
@@ -92,14 +97,14 @@ impl Lights {
     /// The only one, if no choice is needed.
     pub(super) fn only(&self) -> Option<LightId> {
         match self.asked[..] {
-            [only] if self.tree.is_none() && !self.forced => Some(only),
+            [only] if !self.chooses => Some(only),
             _ => None,
         }
     }
 
     /// Whether normals of surfaces count in the choice.
     pub(super) fn uses_normals(&self) -> bool {
-        self.tree.is_some() || self.forced
+        self.normals
     }
 
     /// Whether a light is asked by its triangles.

@@ -36,10 +36,6 @@ impl Builder {
                 own.clone().unwrap_or_else(|| self.placed_at(named, |own| own.mix(named, &by_name)))
             } else {
                 self.prune(Ineffective::Material, format!("`{}`", named.name), Some(&named.place));
-                // A slip in it is one all the same.
-                if let description::Scattering::Conductor { optics, .. } = &named.value.scattering {
-                    self.optics(optics);
-                }
                 UNUSED
             };
             let id = self.add_material(named.name.clone(), material);

@@ -31,10 +31,10 @@ use crate::film::Names;
 use crate::geometry::{PlacementId, Pose, ShapeId, World};
 use crate::light::{Light, LightId};
 use crate::material::{Material, MaterialId};
-use crate::scene::description::{Description, FuzzyBy, GlassShadows};
+use crate::scene::description::{Description, FuzzyBy};
 use crate::scene::frozen::Surface;
 use crate::scene::library::Library;
-use crate::scene::needs::capability::{Capabilities, Capability};
+use crate::scene::needs::capability::Capabilities;
 use crate::scene::needs::count::{self, Places};
 use crate::scene::pruned::{Ineffective, Pruned};
 use crate::scene::{Scene, Wanted};
@@ -107,40 +107,30 @@ pub fn build_from(
     let files = builder.textures.files().map(Into::into).chain(builder.files).collect();
     let mut scene = Scene {
         world: Arc::new(builder.world),
+        textures: builder.textures.into_bitmaps(prunes.then_some(&builder.materials[..])),
         materials: builder.materials,
-        textures: builder.textures.into_bitmaps(prunes),
         lights: builder.lights,
         camera,
         origin: origin.0,
         film,
         render: description.render.clone(),
-        glass_shadows: GlassShadows::Opaque,
         surfaces: builder.surfaces,
         names: builder.names,
         environment: builder.environment,
         asked: Vec::new(),
         required: Capabilities::NONE,
-        forced: wanted.forced,
+        forced: count::forceable(wanted.forced, &description.render),
     };
     let places = Places {
         placements: &builder.origins,
         lights: &builder.light_places,
         camera: &description.camera.place,
     };
-    scene.asked = count::asked(&scene, places);
+    scene.asked = count::asked(&scene, wanted, places);
     scene.required = count::set(&scene.asked);
     let scene = forced::force(scene, (&description.camera, origin));
     let Builder { origins, warnings, unread, pruned, problems, .. } = builder;
-    problems.into_result(Built { scene: looking_for_glass(scene), origins, files, warnings, unread, pruned })
-}
-
-/// The scene whose shadow rays look for glass if there is any, and if it says so.
-fn looking_for_glass(scene: Scene) -> Scene {
-    let has_glass =
-        count::materials_in_use(&scene).any(|(id, _)| scene.materials[id.index()].scattering.is_clear());
-    let looks = has_glass || scene.forces(Capability::GlassShadows);
-    let glass_shadows = if looks { scene.render.glass_shadows } else { GlassShadows::Opaque };
-    Scene { glass_shadows, ..scene }
+    problems.into_result(Built { scene, origins, files, warnings, unread, pruned })
 }
 
 /// A scene under way.

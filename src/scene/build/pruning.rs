@@ -6,40 +6,45 @@ use crate::material::{Material, MaterialId, Scattering};
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, Description, Form, Located};
-use crate::scene::load::{About, LoadedMesh, Shading};
+use crate::scene::library;
+use crate::scene::load::LoadedMesh;
 use crate::scene::pruned::{Ineffective, Pruned};
 use crate::texture::{Bitmap, Channel, Height, Relief, Scalar, Texture};
 use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Opacities closer to a half than this may fall to either side, by the rounding of an interpolation.
 const UNDECIDED: f32 = 1e-5;
 
-/// Meshes of files that have been read, and how they were asked for.
+/// A file, and what its mesh was asked for as.
+type Asked = (PathBuf, library::Form);
+
+/// Meshes of files that have been read.
 #[derive(Debug, Default)]
 pub(super) struct Meshes {
-    known: Vec<(PathBuf, Shading, About, Arc<LoadedMesh>)>,
+    known: HashMap<Asked, Arc<LoadedMesh>>,
+    /// Those unlike each other, by how many vertices and triangles they have.
+    alike: HashMap<[usize; 2], Vec<Mesh>>,
 }
 
 impl Meshes {
     /// The mesh of a file that has been read in the same way.
-    pub(super) fn known(&self, path: &Path, shading: Shading, about: About) -> Option<Arc<LoadedMesh>> {
-        let is_same = |known: &&(PathBuf, Shading, About, Arc<LoadedMesh>)| {
-            known.0 == path && known.1 == shading && known.2 == about
-        };
-        self.known.iter().find(is_same).map(|(.., loaded)| loaded.clone())
+    pub(super) fn known(&self, asked: &Asked) -> Option<Arc<LoadedMesh>> {
+        self.known.get(asked).cloned()
     }
 
     /// Notes one; the same mesh from another file stands for it. Whether there was one.
-    pub(super) fn note(&mut self, asked: (PathBuf, Shading, About), loaded: &mut Arc<LoadedMesh>) -> bool {
-        let same = self.known.iter().find(|(.., known)| known.mesh == loaded.mesh);
+    pub(super) fn note(&mut self, asked: Asked, loaded: &mut Arc<LoadedMesh>) -> bool {
+        let size = [loaded.mesh.positions().len(), loaded.mesh.triangles().len()];
+        let alike = self.alike.entry(size).or_default();
+        let same = alike.iter().find(|known| **known == loaded.mesh).cloned();
         let is_known = same.is_some();
-        if let Some((.., known)) = same {
-            *loaded = Arc::new(LoadedMesh { mesh: known.mesh.clone(), ..LoadedMesh::clone(loaded) });
+        match same {
+            Some(mesh) => *loaded = Arc::new(LoadedMesh { mesh, ..LoadedMesh::clone(loaded) }),
+            None => alike.push(loaded.mesh.clone()),
         }
-        let (path, shading, about) = asked;
-        self.known.push((path, shading, about, loaded.clone()));
+        self.known.insert(asked, loaded.clone());
         is_known
     }
 }
@@ -84,12 +89,10 @@ impl Builder {
         rest
     }
 
-    /// The texture as one colour, where a picture or a pattern comes to that. Not for light, which is drawn from in another way where
-    /// it comes from a picture.
+    /// The texture as one colour, where a picture or a pattern comes to that. Not for light.
     pub(super) fn as_constant(&mut self, texture: Texture) -> Texture {
         let constant = match &texture {
             _ if !self.prunes => None,
-            Texture::Image { limit, .. } if limit.is_infinite() => None,
             Texture::Image { map, factor, limit } => match map.bitmap.constant() {
                 [Some(r), Some(g), Some(b), _] => Some((Rgb::new(r, g, b) * *factor).clamp(0.0, *limit)),
                 _ => None,

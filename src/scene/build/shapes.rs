@@ -49,14 +49,11 @@ impl Builder {
         let instanced: HashSet<&str> = shapes
             .iter()
             .filter(|shape| !(prunes && shape.hidden))
-            .filter_map(|shape| match &shape.form {
-                Form::Instance { of } => Some(root_of(&by_name, &of.value)),
-                _ => None,
-            })
+            .filter_map(|shape| Some(root_of(&by_name, instance_of(shape)?)))
             .collect();
         let mut prototypes = HashMap::new();
         let numbered = || shapes.iter().enumerate();
-        for (number, shape) in numbered().filter(|(_, shape)| !matches!(shape.form, Form::Instance { .. })) {
+        for (number, shape) in numbered().filter(|(_, shape)| instance_of(shape).is_none()) {
             let name = shape.name.as_ref().map(|name| name.value.as_str());
             let is_prototype = name.is_some_and(|name| instanced.contains(name));
             if shape.hidden && !is_prototype {
@@ -71,13 +68,12 @@ impl Builder {
             }
             self.name(name_of(shape, number));
         }
-        for (number, shape) in numbered().filter(|(_, shape)| matches!(shape.form, Form::Instance { .. })) {
+        let named: HashSet<&str> =
+            shapes.iter().filter_map(|shape| Some(instance_of(shape)?.as_str())).collect();
+        for (number, shape) in numbered().filter(|(_, shape)| instance_of(shape).is_some()) {
             if shape.hidden {
                 // One that only others are instances of is a step on their way.
-                let name = shape.name.as_ref().map(|name| name.value.as_str());
-                if !shapes.iter().any(
-                    |other| matches!(&other.form, Form::Instance { of } if Some(of.value.as_str()) == name),
-                ) {
+                if !shape.name.as_ref().is_some_and(|name| named.contains(name.as_str())) {
                     let what = format!("`{}` is a hidden instance", name_of(shape, number));
                     self.prune(Ineffective::Object, what, Some(&shape.place));
                 }
@@ -195,9 +191,10 @@ impl Builder {
         }
     }
 
-    /// Whether nothing is there of what is made of these materials.
+    /// Whether nothing is there of what is made of these materials. Light from holes is left to be refused.
     fn is_hole(&mut self, materials: &[MaterialId], place: &Place) -> bool {
-        let is_hole = self.is_invisible(materials);
+        let shines = materials.iter().any(|id| self.materials[id.index()].emission.is_some());
+        let is_hole = !shines && self.is_invisible(materials);
         if is_hole {
             self.prune(Ineffective::Object, "its opacity is below a half everywhere", Some(place));
         }
@@ -240,8 +237,9 @@ impl Builder {
     ) -> Option<Arc<LoadedMesh>> {
         let (shading, is_moved) = (shading.into(), self.origin.is_moved());
         let about = if is_moved { About::Middle } else { About::Needed };
-        let path = canonical(&file.value);
-        if let Some(known) = self.meshes.known(&path, shading, about).filter(|_| self.prunes) {
+        let form = library::Form::Mesh(shading.normals, shading.crease_deg.to_bits(), is_moved);
+        let key = (canonical(&file.value), form);
+        if let Some(known) = self.meshes.known(&key).filter(|_| self.prunes) {
             // Where it is carried to its place its arrays are copied.
             if !self.may_hold(known.mesh.triangles().len(), &file.place) {
                 return None;
@@ -252,7 +250,6 @@ impl Builder {
         if !self.may_read(1, &file.place) {
             return None;
         }
-        let form = library::Form::Mesh(shading.normals, shading.crease_deg.to_bits(), is_moved);
         let (library, trust) = (self.library.clone(), &self.trust);
         let loaded = library.thing(&file.value, form, trust, || {
             let thing = load_mesh_within(&file.value, shading, about, trust)?;
@@ -267,8 +264,8 @@ impl Builder {
                     return None;
                 }
                 self.warnings.extend(loaded.warnings.iter().cloned());
-                self.files.extend(loaded.libraries.iter().cloned());
-                if self.prunes && self.meshes.note((path, shading, about), &mut loaded) {
+                self.files.extend(loaded.libraries.iter().map(|(path, _)| path.clone()));
+                if self.prunes && self.meshes.note(key, &mut loaded) {
                     self.prune_mesh(file, &loaded.mesh);
                 }
                 Some(loaded)
@@ -385,6 +382,11 @@ impl Builder {
             }
         })
     }
+}
+
+/// The name of what a shape is an instance of.
+fn instance_of(shape: &description::Shape) -> Option<&Located<String>> {
+    if let Form::Instance { of } = &shape.form { Some(of) } else { None }
 }
 
 /// The name of the shape at the end of a chain of instances.

@@ -5,6 +5,7 @@
 
 use crate::error::{Error, Problem};
 use crate::image::read_raster_within;
+use crate::material::Material;
 use crate::math::Rgb;
 use crate::scene::build::Builder;
 use crate::scene::description::{self, ImageTexture, Lie, Located, ScalarTexture};
@@ -12,7 +13,7 @@ use crate::scene::library::{self, Made};
 use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use crate::trust::Limit;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -33,11 +34,13 @@ impl Textures {
         self.known.keys().map(|(path, _)| path.as_path())
     }
 
-    /// All of them; of those that nobody shows, `prunes` leaves none.
-    pub(super) fn into_bitmaps(self, prunes: bool) -> Vec<Arc<Bitmap>> {
-        let Self { known, mut bitmaps, .. } = self;
-        drop(known);
-        bitmaps.retain(|bitmap| !prunes || Arc::strong_count(bitmap) > 1);
+    /// All of them, or those alone that materials show. Whoever else holds some does not count, such as a library.
+    pub(super) fn into_bitmaps(self, shown_by: Option<&[Material]>) -> Vec<Arc<Bitmap>> {
+        let mut bitmaps = self.bitmaps;
+        if let Some(materials) = shown_by {
+            let shown: HashSet<_> = materials.iter().flat_map(Material::bitmaps).map(Arc::as_ptr).collect();
+            bitmaps.retain(|bitmap| shown.contains(&Arc::as_ptr(bitmap)));
+        }
         bitmaps
     }
 }
@@ -75,7 +78,8 @@ impl Builder {
                 }
             }
         };
-        self.as_constant(texture)
+        // Light is drawn from in another way where it comes from a picture or a pattern.
+        if limit.is_infinite() { texture } else { self.as_constant(texture) }
     }
 
     /// A number that varies over a surface; `without` says what becomes of it where the file cannot be read.

@@ -98,7 +98,7 @@ impl Value for Overrides {
     }
 
     fn to_json(&self) -> Json {
-        self.0.iter().map(|text| Json::from(text.value.as_str())).collect()
+        self.0.iter().filter_map(|text| batch::entry(text)).collect()
     }
 
     fn absent(_: &Node) -> Option<Self> {

@@ -4,6 +4,7 @@ use crate::scene::load::node::{Content, Node};
 use crate::scene::load::report::Report;
 use crate::scene::record::{Rules, Value};
 use serde_json::{Map, Value as Json, json};
+use std::collections::HashSet;
 use std::fmt;
 
 /// Numbers of frames, each once, in the order asked for.
@@ -14,7 +15,7 @@ pub struct Frames {
 }
 
 /// Frames of one request; more is a slip of the hand.
-const MOST: usize = 1_000_000;
+const MOST: i64 = 1_000_000;
 
 impl Frames {
     /// How frames are written.
@@ -30,18 +31,21 @@ impl Frames {
     /// What a text says: `7`, `1..100` (both ends included), `1..100x10` (every tenth), or several of these with commas between.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {
-        let mut numbers = Vec::new();
+        let (mut numbers, mut known, mut asked) = (Vec::new(), HashSet::new(), 0);
         for part in text.split(',') {
             let (first, last, step) = range(part.trim())?;
-            if first > last || (i64::from(last) - i64::from(first)) / i64::from(step) >= MOST as i64 {
+            if first > last {
+                return None;
+            }
+            // Before any memory is taken; those named twice count twice.
+            asked += (i64::from(last) - i64::from(first)) / i64::from(step) + 1;
+            if asked > MOST {
                 return None;
             }
             let step = usize::try_from(step).ok()?;
-            numbers.extend((first..=last).step_by(step));
+            numbers.extend((first..=last).step_by(step).filter(|number| known.insert(*number)));
         }
-        let mut known = std::collections::HashSet::new();
-        numbers.retain(|number| known.insert(*number));
-        (numbers.len() <= MOST).then(|| Self { numbers, text: text.trim().to_owned() })
+        Some(Self { numbers, text: text.trim().to_owned() })
     }
 
     /// The numbers.
@@ -119,5 +123,6 @@ mod tests {
             assert_eq!(numbers(text), None, "{text}");
         }
         assert_eq!(numbers("0..1000000"), None, "more than a million");
+        assert_eq!(numbers("1..1000000,1"), None, "those named twice count twice");
     }
 }

@@ -39,7 +39,7 @@ words! {
 
 record! {
     /// What a surface is made of.
-    pub struct Material {
+    pub struct Material checked by check::material {
         /// Radiance it gives off besides, on the side of its normals; a picture or a pattern on meshes and rectangles only.
         emission: Texture = Texture::gray(0.0), unit("W/(sr m^2)"), min(0.0), max(1e20);
         /// A relief by a picture of normals; on meshes with texture coordinates and on spheres.
@@ -235,7 +235,7 @@ impl Scattering {
 
 tagged! {
     /// How much a metal reflects at which angle.
-    pub enum Optics by key() {
+    pub enum Optics by key() checked by check::optics {
         /// A metal whose optical constants are known by name.
         "metal" => Metal {
             /// Symbol of the element.

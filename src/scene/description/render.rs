@@ -117,6 +117,12 @@ choice! {
 }
 
 impl Integrator {
+    /// Whether it follows a tree of rays.
+    #[must_use]
+    pub const fn is_ray_tree(self) -> bool {
+        matches!(self, Self::Whitted | Self::Distribution)
+    }
+
     /// Rays of each kind at the first hits where the scene does not say.
     const fn default_samples(self) -> u32 {
         match self {

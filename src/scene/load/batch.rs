@@ -1,14 +1,18 @@
 //! Batch files.
 
 use crate::error::Result;
-use crate::scene::description::{Batch, Located};
+use crate::scene::description::{Batch, Description, Located};
 use crate::scene::load::decode::Fields;
 use crate::scene::load::merge::read_alone;
 use crate::scene::load::node::{Content, Entry, Node};
+use crate::scene::load::overrides::split;
 use crate::scene::load::report::Report;
-use crate::scene::record::{Rules, Value as _};
+use crate::scene::load::source::Source;
+use crate::scene::record::{Rules, Table, Value as _};
 use crate::trust::Limits;
+use serde_json::{Map, Value as Json};
 use std::path::Path;
+use std::sync::Arc;
 use toml::Value;
 
 /// What the batch file at `path` says, within limits. Fails with everything that is wrong with it.
@@ -22,10 +26,14 @@ pub fn load_batch(path: &Path, limits: Limits) -> Result<Batch> {
 /// Whether a file is a scene file rather than a batch file, by its tables; a file that is no TOML, or beyond limits, is not.
 #[must_use]
 pub fn is_scene(path: &Path, limits: Limits) -> bool {
-    let Some(tree) = read_alone(path, limits, &mut Report::default()) else { return false };
-    let has = |names: &[&str]| names.iter().any(|name| tree.get(name).is_some());
-    has(&["include", "camera", "film", "render", "materials", "shapes", "lights"])
-        && !has(&["jobs", "defaults"])
+    let tree = read_alone(path, limits, &mut Report::default());
+    tree.is_some_and(|tree| has_key_of::<Description>(&tree) && !has_key_of::<Batch>(&tree))
+}
+
+/// Whether any key of a kind of table stands in this one.
+fn has_key_of<T: Table>(tree: &Node) -> bool {
+    let kinds = T::kinds(&mut Map::new());
+    kinds.iter().flat_map(|kind| kind.properties.keys()).any(|key| tree.get(key).is_some())
 }
 
 /// There are jobs, and each has a scene.
@@ -53,8 +61,13 @@ pub(crate) fn flatten(
 ) -> Option<()> {
     match &node.content {
         Content::Table(entries) if !node.spot.is_at("{") => {
-            for Entry { key, node, .. } in entries {
-                flatten(format!("{path}.{}", quoted(key)), node, into, report)?;
+            for Entry { key, spot, node } in entries {
+                let Some(part) = quoted(key) else {
+                    let what = format!("the key `{key}` cannot be a part of a path");
+                    report.error(spot, what, "leave out quotes of one kind, and spaces at its ends");
+                    return None;
+                };
+                flatten(format!("{path}.{part}"), node, into, report)?;
             }
         }
         _ => match value(node) {
@@ -71,13 +84,25 @@ pub(crate) fn flatten(
     Some(())
 }
 
-/// A key as a part of a path.
-fn quoted(key: &str) -> String {
+/// A key as a part of a path, if paths can have it.
+fn quoted(key: &str) -> Option<String> {
+    if key.trim() != key || key.contains('"') && key.contains('\'') {
+        return None;
+    }
     if !key.contains(['.', '=', '"', '\'']) {
-        return key.to_owned();
+        return Some(key.to_owned());
     }
     let quote = if key.contains('"') { '\'' } else { '"' };
-    format!("{quote}{key}{quote}")
+    Some(format!("{quote}{key}{quote}"))
+}
+
+/// An override as the table of a batch file has it: its path, and its value in JSON.
+pub(crate) fn entry(text: &str) -> Option<(String, Json)> {
+    let (_, written) = split(text)?;
+    let source = Arc::new(Source::command_line(text, Path::new(""), 0, &Arc::default()));
+    let node = Node::parse_value(written.trim(), &source, &mut Report::default());
+    let path = text[..text.len() - written.len()].strip_suffix('=')?.trim();
+    Some((path.to_owned(), serde_json::to_value(value(&node)?).ok()?))
 }
 
 /// The value that a node spells, to be written again.
@@ -99,6 +124,7 @@ pub(crate) fn value(node: &Node) -> Option<Value> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use serde_json::json;
 
     fn read(text: &str) -> std::result::Result<Batch, String> {
         let folder = tempfile::tempdir().expect("a folder");
@@ -126,6 +152,19 @@ mod tests {
         assert_eq!(overrides(table), [told], "a table in braces is a value");
         let dots = "overrides.materials.'a.b'.ior = 1.5";
         assert_eq!(overrides(dots), ["materials.\"a.b\".ior=1.5"], "a name with a dot");
+        for key in ["\"a'\\\"b\"", "' a'"] {
+            let text = format!("[[jobs]]\nscene = 'a.toml'\noverrides.materials.{key}.ior = 1.5");
+            let told = read(&text).expect_err("no path can say so");
+            assert!(told.starts_with("batch.toml:3:21: the key `"), "{key}: {told}");
+        }
+    }
+
+    #[test]
+    fn overrides_are_a_table_in_json_as_in_files() {
+        let table = json!({ "render.spp": 4, "materials.a.b": { "c": [0.5, "x"] } });
+        let text = "overrides = { render.spp = 4, materials.a.b = { c = [0.5, 'x'] } }";
+        let batch = read(&format!("[[jobs]]\nscene = 'a.toml'\n{text}")).expect("sound");
+        assert_eq!(batch.jobs[0].own.overrides.to_json(), table, "as written");
     }
 
     #[test]

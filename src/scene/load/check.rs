@@ -2,8 +2,9 @@
 
 use crate::bsdf::MOST_PARTS;
 use crate::camera::Viewpoint;
+use crate::material::conductors;
 use crate::scene::description::{
-    Bump, Camera, CameraKey, Form, Lie, Light, NormalMap, Scattering, Shape, Step,
+    Bump, Camera, CameraKey, Form, Lie, Light, Material, NormalMap, Optics, Scattering, Shape, Step,
 };
 use crate::scene::load::decode::Fields;
 use crate::scene::track;
@@ -152,6 +153,22 @@ pub(crate) fn bump(heights: &Bump, fields: &mut Fields<'_>) {
 fn unmirrored(lie: &Lie, fields: &mut Fields<'_>) {
     if lie.repeat.iter().any(|&times| times <= 0.0) {
         fields.problem("repeat", "`repeat` of a relief is not above 0", "give positive numbers");
+    }
+}
+
+/// A surface has one relief at most.
+pub(crate) fn material(material: &Material, fields: &mut Fields<'_>) {
+    if material.normal_map.is_some() && material.bump.is_some() {
+        fields.problem("bump", "`bump` beside `normal_map`", "give one of them");
+    }
+}
+
+/// Metals are known by name.
+pub(crate) fn optics(optics: &Optics, fields: &mut Fields<'_>) {
+    let Optics::Metal { metal } = optics else { return };
+    if conductors::named(metal).is_none() {
+        let remedy = format!("known are {}", conductors::NAMES.join(", "));
+        fields.problem("metal", format!("unknown metal `{}`", metal.value), remedy);
     }
 }
 

@@ -35,6 +35,7 @@ use merge::Reader;
 pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, load_mesh_within};
 pub use overrides::from_root;
 use report::Report;
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -129,10 +130,9 @@ fn warnings(description: &Description) -> Vec<Problem> {
 
 /// Knobs of how rays split that are set where another integrator is to run.
 fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
-    let is_tree = matches!(integrator, Integrator::Whitted | Integrator::Distribution);
     let of_trees: &[&str] = &["light_samples", "glossy_samples", "split_depth"];
     let kinds = [
-        (is_tree, of_trees, "the ray tree", "`distribution` or `whitted`"),
+        (integrator.is_ray_tree(), of_trees, "the ray tree", "`distribution` or `whitted`"),
         (integrator == Integrator::Path, &["path_splits"], "paths", "`path`"),
     ];
     let entries = tree.get("render").and_then(Node::entries).unwrap_or_default();
@@ -151,14 +151,14 @@ fn idle_knobs(tree: &Node, integrator: Integrator) -> Vec<Problem> {
 
 /// Hidden shapes that nothing shows.
 fn idle_prototypes(description: &Description) -> impl Iterator<Item = Problem> {
-    let shown: Vec<&str> = description
+    let shown: HashSet<&str> = description
         .shapes
         .iter()
         .filter_map(|shape| if let Form::Instance { of } = &shape.form { Some(of.as_str()) } else { None })
         .collect();
     description.shapes.iter().filter(|shape| shape.hidden).filter_map(move |shape| {
         let name = shape.name.as_ref().map(|name| name.as_str());
-        if name.is_some_and(|name| shown.contains(&name)) {
+        if name.is_some_and(|name| shown.contains(name)) {
             return None;
         }
         let problem = Problem::at(shape.place.clone(), "this shape is hidden and has no instance");

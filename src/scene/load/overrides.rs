@@ -86,7 +86,7 @@ fn root(node: &mut Node, is_file: bool) -> bool {
 }
 
 /// The parts of the path, and the value; `None` without an equals sign or with an open quote.
-fn split(text: &str) -> Option<(Vec<String>, &str)> {
+pub(super) fn split(text: &str) -> Option<(Vec<String>, &str)> {
     let mut parts = vec![String::new()];
     let mut quote = None;
     for (i, c) in text.char_indices() {

@@ -3,9 +3,11 @@
 //! This looks at the tree, not at the description, so that broken references are found beside all other faults. What
 //! is not even a string is left to the decoder.
 
+use crate::scene::description::{Material, Texture};
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::load::report::Report;
 use crate::scene::load::words;
+use crate::scene::record::{Rules, Value};
 use crate::trust::{Limit, Limits};
 use std::collections::{HashMap, HashSet};
 
@@ -25,8 +27,10 @@ pub(crate) fn check(tree: &Node, limits: &Limits, report: &mut Report) {
     let names = names(shapes, report);
     let entries = tree.get("materials").and_then(Node::entries).unwrap_or(&[]);
     let nodes: HashMap<&str, &Node> = entries.iter().map(|entry| (entry.key.as_str(), &entry.node)).collect();
+    let shining: HashSet<&str> =
+        nodes.iter().filter(|(_, node)| shines(node)).map(|(name, _)| *name).collect();
     for entry in entries {
-        check_mix(&entry.node, &nodes, &materials, report);
+        check_mix(entry, (&nodes, &shining), &materials, report);
     }
     for shape in shapes {
         check_material(shape, &known, &materials, report);
@@ -78,13 +82,19 @@ fn check_material(shape: &Node, known: &HashSet<&str>, materials: &[&str], repor
     }
 }
 
-/// The parts of a mix exist, and are not mixes or lights.
-fn check_mix(material: &Node, nodes: &HashMap<&str, &Node>, materials: &[&str], report: &mut Report) {
+/// The parts of a mix exist, are not mixes or lights, and bound one body at most.
+fn check_mix(
+    mix: &Entry,
+    (nodes, shining): (&HashMap<&str, &Node>, &HashSet<&str>),
+    materials: &[&str],
+    report: &mut Report,
+) {
     let kind = |node: &Node| node.get("type").and_then(Node::text).map(str::to_owned);
-    if kind(material).as_deref() != Some("mix") {
+    if kind(&mix.node).as_deref() != Some("mix") {
         return;
     }
-    for part in material.get("parts").and_then(Node::items).unwrap_or(&[]) {
+    let mut bodies = 0;
+    for part in mix.node.get("parts").and_then(Node::items).unwrap_or(&[]) {
         let Some(node) = part.get("material") else { continue };
         let Some(name) = node.text() else { continue };
         let Some(&found) = nodes.get(name) else {
@@ -103,9 +113,26 @@ fn check_mix(material: &Node, nodes: &HashMap<&str, &Node>, materials: &[&str], 
                     "give the mix a key `emission` instead",
                 );
             }
+            _ if shining.contains(name) => {
+                let what = format!("`{name}` shines, which a part of a mix cannot");
+                report.error(&node.spot, what, "give the mix a key `emission` instead");
+            }
+            Some("dielectric") => bodies += 1,
             _ => {}
         }
     }
+    if bodies > 1 {
+        let what = format!("`{}` would be the surface of two bodies", mix.key);
+        report.error(&mix.spot, what, "let one part at most be a `dielectric`");
+    }
+}
+
+/// Whether a material gives off light besides. What is wrong with it is left to the decoder.
+fn shines(material: &Node) -> bool {
+    let (rules, ignored) = (Rules::default(), &mut Report::default());
+    material.get("emission").is_some()
+        && Material::decode(material, "", &rules, ignored)
+            .is_some_and(|material| material.emission != Texture::gray(0.0))
 }
 
 fn check_instance(shape: &Node, names: &HashMap<&str, &Node>, report: &mut Report) {

@@ -2,77 +2,164 @@
 
 use std::fmt;
 
-/// Something that costs time or memory where a scene asks for it, and nothing where not.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Capability {
+/// The list: shapes first, then materials, then lights, then the camera, then what is asked of the picture. Each is declared once, with its
+/// name, the same as one word, and what there is to say of it.
+macro_rules! capabilities {
+    ($( $(#[doc = $doc:literal])+ $Capability:ident = $name:literal $word:literal $says:expr; )+) => {
+        /// Something that costs time or memory where a scene asks for it, and nothing where not.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        pub enum Capability {
+            $( $(#[doc = $doc])+ $Capability, )+
+        }
+
+        impl Capability {
+            /// All of them: shapes first, then materials, then lights, then the camera, then what is asked of the picture.
+            pub const ALL: [Self; ABOUT.len()] = [$( Self::$Capability, )+];
+        }
+
+        /// By capability.
+        const ABOUT: &[About] = &[$( About { name: $name, word: $word, ..$says }, )+];
+    };
+}
+
+capabilities! {
     /// Triangles of meshes.
-    Triangles,
+    Triangles = "triangles" "triangles" built("triangle geometry", "no triangle geometry");
     /// Spheres.
-    Spheres,
+    Spheres = "spheres" "spheres" built("sphere geometry", "no sphere geometry");
     /// Discs.
-    Discs,
+    Discs = "discs" "discs" built("disc geometry", "no disc geometry");
     /// Shapes that find their own hits.
-    Surfaces,
+    Surfaces = "surfaces" "surfaces" built("a call of the shape for every candidate", "no calls of shapes");
     /// Shapes placed by a map that stays.
-    Instances,
+    Instances = "instances" "instances" built(
+        "a second level of hierarchy, rays carried into it",
+        "what stands still was moved to its place once",
+    ).forceable();
     /// Shapes placed by a map that changes while the shutter is open.
-    MovingPoses,
+    MovingPoses = "moving shapes" "moving-shapes" built(
+        "a transform per key, a random moment per sample",
+        "one moment: no key is interpolated",
+    ).forceable();
     /// Shapes that change by themselves while the shutter is open.
-    MovingVertices,
+    MovingVertices = "moving vertices" "moving-vertices" built(
+        "a vertex buffer per key",
+        "one vertex buffer per mesh",
+    ).forceable();
     /// Shapes that some rays do not see.
-    Masks,
+    Masks = "masks" "masks" built("a mask per geometry", "every ray sees everything");
     /// Shapes of which not all hits count.
-    CutOuts,
+    CutOuts = "cut-outs" "cut-outs" built("a filter function per hit", "no filter function").forceable();
     /// Rays that slip through no edge between triangles.
-    RobustTraversal,
+    RobustTraversal = "robust traversal" "robust-traversal" built(
+        "watertight tests of triangles",
+        "the faster tests",
+    ).forceable();
     /// Normals that differ from those of the triangles.
-    ShadingNormals,
+    ShadingNormals = "shading normals" "shading-normals" built(
+        "12 bytes per vertex and key, interpolated",
+        "the triangles' own normals",
+    ).forceable();
     /// Surface parameters from files, that somebody reads.
-    SurfaceParameters,
+    SurfaceParameters = "surface parameters" "surface-parameters" built(
+        "8 bytes per vertex, interpolated",
+        "those of files are dropped, barycentric ones are not looked at",
+    ).forceable();
     /// Materials with a mirrored ray.
-    Mirrors,
+    Mirrors = "mirrors" "mirrors" run("a mirrored ray per hit", "no mirrored rays");
     /// Materials that let light through.
-    Refraction,
+    Refraction = "refraction" "refraction" run("two rays per hit", "no refracted rays");
     /// Materials that bound a medium.
-    Media,
+    Media = "media" "media" run(
+        "a stack of media per path, looked at per hit",
+        "no stack of media, no look for what the camera stands in",
+    ).forceable();
     /// Media that absorb light.
-    Absorption,
+    Absorption = "absorption" "absorption" run(
+        "an exponential for each way through a medium",
+        "no lengths of ways through media",
+    ).forceable();
     /// Materials with a lobe.
-    GlossyLobes,
+    GlossyLobes = "glossy lobes" "glossy-lobes" run(
+        "a sampled ray per hit, weighed against lights",
+        "no rays for lobes",
+    );
     /// Materials that are not the same in all directions.
-    Anisotropy,
+    Anisotropy = "anisotropy" "anisotropy" run(
+        "a tangent per hit",
+        "of paths: frames of any turn",
+    ).forceable();
     /// Materials with several ways on.
-    LobeChoice,
+    LobeChoice = "lobe choice" "lobe-choice" run(
+        "a random number per hit",
+        "of paths: no random number for it",
+    ).forceable();
     /// Materials made of several.
-    Mixes,
+    Mixes = "mixes" "mixes" built("every part is asked at each hit", "one surface per material").forceable();
     /// Materials that change over their surface.
-    Textures,
+    Textures = "textures" "textures" run(
+        "surface parameters per hit",
+        "of paths: no surface parameters; spheres are resolved over lanes",
+    ).forceable();
     /// Pictures on surfaces.
-    ImageTextures,
+    ImageTextures = "image textures" "image-textures" run(
+        "pictures at all sizes, a cone about every ray",
+        "no widths of rays",
+    ).forceable();
     /// Normals from pictures.
-    Reliefs,
+    Reliefs = "reliefs" "reliefs" run(
+        "a look at the picture for every normal",
+        "of paths: no look for pictures of normals",
+    ).forceable();
     /// Lights of a single point or direction.
-    PointLights,
+    PointLights = "point lights" "point-lights" run("a shadow ray each", "none");
     /// Lights with a surface.
-    AreaLights,
+    AreaLights = "area lights" "area-lights" run(
+        "a shadow ray each, two random numbers",
+        "no points drawn on lights",
+    );
     /// Light from infinity.
-    Environment,
+    Environment = "environment" "environment" built(
+        "a table of directions",
+        "rays that leave see nothing",
+    ).forceable();
     /// More lights than one to ask.
-    LightChoice,
+    LightChoice = "light choice" "light-choice" built(
+        "a random number, and a table or a tree of lights; a normal per path",
+        "of paths: the only light is asked without a choice",
+    ).forceable();
     /// Shadow rays that go on through glass.
-    GlassShadows,
+    GlassShadows = "glass shadows" "glass-shadows" run(
+        "shadow rays traced one by one, through glass",
+        "shadow rays end at the first hit, and many are traced together",
+    ).forceable();
     /// A camera that moves while the shutter is open.
-    MovingCamera,
+    MovingCamera = "moving camera" "moving-camera" built(
+        "a viewpoint between keys and a random moment for every sample",
+        "one viewpoint",
+    ).forceable();
     /// A camera whose rays leave from more than one point.
-    Lens,
+    Lens = "lens" "lens" built(
+        "a point of the lens for every sample, two random numbers",
+        "one point of view",
+    ).forceable();
     /// Coordinates that count from near the camera.
-    MovedOrigin,
+    MovedOrigin = "moved origin" "moved-origin" built(
+        "all coordinates are counted from near the camera",
+        "coordinates are those of the files",
+    );
     /// Fuzzy reflections by a filter.
-    TwoPass,
+    TwoPass = "two-pass" "two-pass" run("a picture of geometry per sample, filtered", "no filter");
     /// Outputs beside the picture.
-    Aovs,
+    Aovs = "aovs" "aovs" run(
+        "channels of the film, and a look at what camera rays see",
+        "nothing is kept but the picture and its coverage",
+    );
     /// Samples where they bring most.
-    AdaptiveSampling,
+    AdaptiveSampling = "adaptive sampling" "adaptive-sampling" run(
+        "passes, and the noise of every tile",
+        "as many samples in all pixels, no noise of tiles",
+    );
 }
 
 /// At what level a capability is left out.
@@ -98,6 +185,8 @@ impl Level {
 /// What there is to say of a capability.
 struct About {
     name: &'static str,
+    /// The name as one word.
+    word: &'static str,
     /// What it takes where a scene asks for it.
     takes: &'static str,
     /// What is left out where not.
@@ -107,45 +196,21 @@ struct About {
     forceable: bool,
 }
 
-impl Capability {
-    /// All of them: shapes first, then materials, then lights, then the camera, then what is asked of the picture.
-    pub const ALL: [Self; 34] = [
-        Self::Triangles,
-        Self::Spheres,
-        Self::Discs,
-        Self::Surfaces,
-        Self::Instances,
-        Self::MovingPoses,
-        Self::MovingVertices,
-        Self::Masks,
-        Self::CutOuts,
-        Self::RobustTraversal,
-        Self::ShadingNormals,
-        Self::SurfaceParameters,
-        Self::Mirrors,
-        Self::Refraction,
-        Self::Media,
-        Self::Absorption,
-        Self::GlossyLobes,
-        Self::Anisotropy,
-        Self::LobeChoice,
-        Self::Mixes,
-        Self::Textures,
-        Self::ImageTextures,
-        Self::Reliefs,
-        Self::PointLights,
-        Self::AreaLights,
-        Self::Environment,
-        Self::LightChoice,
-        Self::GlassShadows,
-        Self::MovingCamera,
-        Self::Lens,
-        Self::MovedOrigin,
-        Self::TwoPass,
-        Self::Aovs,
-        Self::AdaptiveSampling,
-    ];
+const fn built(takes: &'static str, spares: &'static str) -> About {
+    About { name: "", word: "", takes, spares, level: Level::Built, forceable: false }
+}
 
+const fn run(takes: &'static str, spares: &'static str) -> About {
+    About { level: Level::Run, ..built(takes, spares) }
+}
+
+impl About {
+    const fn forceable(self) -> Self {
+        Self { forceable: true, ..self }
+    }
+}
+
+impl Capability {
     /// The kinds of geometry among them.
     pub const GEOMETRIES: [Self; 4] = [Self::Triangles, Self::Spheres, Self::Discs, Self::Surfaces];
 
@@ -158,24 +223,7 @@ impl Capability {
     /// Its name as one word.
     #[must_use]
     pub fn word(self) -> &'static str {
-        match self {
-            Self::MovingPoses => "moving-shapes",
-            Self::MovingVertices => "moving-vertices",
-            Self::RobustTraversal => "robust-traversal",
-            Self::ShadingNormals => "shading-normals",
-            Self::SurfaceParameters => "surface-parameters",
-            Self::GlossyLobes => "glossy-lobes",
-            Self::LobeChoice => "lobe-choice",
-            Self::ImageTextures => "image-textures",
-            Self::PointLights => "point-lights",
-            Self::AreaLights => "area-lights",
-            Self::LightChoice => "light-choice",
-            Self::GlassShadows => "glass-shadows",
-            Self::MovingCamera => "moving-camera",
-            Self::MovedOrigin => "moved-origin",
-            Self::AdaptiveSampling => "adaptive-sampling",
-            one => one.name(),
-        }
+        self.about().word
     }
 
     /// What it takes where a scene asks for it.
@@ -202,164 +250,8 @@ impl Capability {
         self.about().forceable
     }
 
-    fn about(self) -> About {
-        match self {
-            Self::Triangles | Self::Spheres | Self::Discs | Self::Surfaces | Self::Instances => {
-                self.of_shapes()
-            }
-            Self::MovingPoses | Self::MovingVertices | Self::Masks | Self::CutOuts => self.of_shapes(),
-            Self::RobustTraversal | Self::ShadingNormals | Self::SurfaceParameters => self.of_shapes(),
-            Self::Mirrors | Self::Refraction | Self::Media | Self::Absorption | Self::GlossyLobes => {
-                self.of_materials()
-            }
-            Self::Anisotropy | Self::LobeChoice | Self::Mixes | Self::Textures => self.of_materials(),
-            Self::ImageTextures | Self::Reliefs => self.of_materials(),
-            _ => self.of_the_rest(),
-        }
-    }
-
-    fn of_shapes(self) -> About {
-        match self {
-            Self::Triangles => built("triangles", "triangle geometry", "no triangle geometry"),
-            Self::Spheres => built("spheres", "sphere geometry", "no sphere geometry"),
-            Self::Discs => built("discs", "disc geometry", "no disc geometry"),
-            Self::Surfaces => {
-                built("surfaces", "a call of the shape for every candidate", "no calls of shapes")
-            }
-            Self::Instances => built(
-                "instances",
-                "a second level of hierarchy, rays carried into it",
-                "what stands still was moved to its place once",
-            )
-            .forceable(),
-            Self::MovingPoses => built(
-                "moving shapes",
-                "a transform per key, a random moment per sample",
-                "one moment: no key is interpolated",
-            )
-            .forceable(),
-            Self::MovingVertices => {
-                built("moving vertices", "a vertex buffer per key", "one vertex buffer per mesh").forceable()
-            }
-            Self::Masks => built("masks", "a mask per geometry", "every ray sees everything"),
-            Self::CutOuts => built("cut-outs", "a filter function per hit", "no filter function").forceable(),
-            Self::RobustTraversal => {
-                built("robust traversal", "watertight tests of triangles", "the faster tests").forceable()
-            }
-            Self::ShadingNormals => built(
-                "shading normals",
-                "12 bytes per vertex and key, interpolated",
-                "the triangles' own normals",
-            )
-            .forceable(),
-            _ => built(
-                "surface parameters",
-                "8 bytes per vertex, interpolated",
-                "those of files are dropped, barycentric ones are not looked at",
-            )
-            .forceable(),
-        }
-    }
-
-    fn of_materials(self) -> About {
-        match self {
-            Self::Mirrors => run("mirrors", "a mirrored ray per hit", "no mirrored rays"),
-            Self::Refraction => run("refraction", "two rays per hit", "no refracted rays"),
-            Self::Media => run(
-                "media",
-                "a stack of media per path, looked at per hit",
-                "no stack of media, no look for what the camera stands in",
-            )
-            .forceable(),
-            Self::Absorption => run(
-                "absorption",
-                "an exponential for each way through a medium",
-                "no lengths of ways through media",
-            )
-            .forceable(),
-            Self::GlossyLobes => {
-                run("glossy lobes", "a sampled ray per hit, weighed against lights", "no rays for lobes")
-            }
-            Self::Anisotropy => run("anisotropy", "a tangent per hit", "frames of any turn").forceable(),
-            Self::LobeChoice => {
-                run("lobe choice", "a random number per hit", "no random number for it").forceable()
-            }
-            Self::Mixes => {
-                built("mixes", "every part is asked at each hit", "one surface per material").forceable()
-            }
-            Self::Textures => run(
-                "textures",
-                "surface parameters per hit",
-                "no surface parameters; spheres are resolved over lanes",
-            )
-            .forceable(),
-            Self::ImageTextures => {
-                run("image textures", "pictures at all sizes, a cone about every ray", "no widths of rays")
-                    .forceable()
-            }
-            _ => run("reliefs", "a look at the picture for every normal", "no look for pictures of normals")
-                .forceable(),
-        }
-    }
-
-    fn of_the_rest(self) -> About {
-        match self {
-            Self::PointLights => run("point lights", "a shadow ray each", "none"),
-            Self::AreaLights => {
-                run("area lights", "a shadow ray each, two random numbers", "no points drawn on lights")
-            }
-            Self::Environment => {
-                built("environment", "a table of directions", "rays that leave see nothing").forceable()
-            }
-            Self::LightChoice => built(
-                "light choice",
-                "a random number, and a table or a tree of lights; a normal per path",
-                "the only light is asked without a choice",
-            )
-            .forceable(),
-            Self::GlassShadows => run(
-                "glass shadows",
-                "shadow rays traced one by one, through glass",
-                "shadow rays end at the first hit, and many are traced together",
-            )
-            .forceable(),
-            Self::MovingCamera => built(
-                "moving camera",
-                "a viewpoint between keys and a random moment for every sample",
-                "one viewpoint",
-            )
-            .forceable(),
-            Self::Lens => {
-                built("lens", "a point of the lens for every sample, two random numbers", "one point of view")
-                    .forceable()
-            }
-            Self::MovedOrigin => built(
-                "moved origin",
-                "all coordinates are counted from near the camera",
-                "coordinates are those of the files",
-            ),
-            Self::TwoPass => run("two-pass", "a picture of geometry per sample, filtered", "no filter"),
-            Self::Aovs => run(
-                "aovs",
-                "channels of the film, and a look at what camera rays see",
-                "nothing is kept but the picture and its coverage",
-            ),
-            _ => run("adaptive sampling", "passes, and the noise of every tile", "one pass with all samples"),
-        }
-    }
-}
-
-const fn built(name: &'static str, takes: &'static str, spares: &'static str) -> About {
-    About { name, takes, spares, level: Level::Built, forceable: false }
-}
-
-const fn run(name: &'static str, takes: &'static str, spares: &'static str) -> About {
-    About { name, takes, spares, level: Level::Run, forceable: false }
-}
-
-impl About {
-    const fn forceable(self) -> Self {
-        Self { forceable: true, ..self }
+    fn about(self) -> &'static About {
+        &ABOUT[self as usize]
     }
 }
 

@@ -1,13 +1,14 @@
 //! Who asks for what: the one list that building, integrators and backends go by.
 
 use crate::error::Place;
+use crate::film::Layout;
 use crate::geometry::{PlacementId, Pose, Shape};
 use crate::light::Light;
 use crate::material::{MaterialId, Scattering};
-use crate::scene::Scene;
-use crate::scene::description::{GlassShadows, Integrator};
+use crate::scene::description::{GlassShadows, Integrator, Render};
 use crate::scene::needs::capability::{Capabilities, Capability};
 use crate::scene::needs::lights::ChosenLights;
+use crate::scene::{Scene, Wanted};
 use glam::DVec3;
 use std::collections::BTreeSet;
 
@@ -33,8 +34,8 @@ pub(in crate::scene) struct Places<'a> {
     pub(in crate::scene) camera: &'a Place,
 }
 
-/// What is asked for, in the order met.
-pub(in crate::scene) fn asked(scene: &Scene, places: Places<'_>) -> Vec<Asked> {
+/// What is asked for of a scene of which so much is wanted, in the order met.
+pub(in crate::scene) fn asked(scene: &Scene, wanted: &Wanted, places: Places<'_>) -> Vec<Asked> {
     let mut count = Count { asked: Vec::new(), places };
     count.shapes(scene);
     count.materials(scene);
@@ -44,7 +45,21 @@ pub(in crate::scene) fn asked(scene: &Scene, places: Places<'_>) -> Vec<Asked> {
     count.add(Capability::MovingCamera, usize::from(scene.camera.is_moving()), camera);
     count.add(Capability::Lens, usize::from(scene.camera.has_lens()), camera);
     count.add(Capability::MovedOrigin, usize::from(scene.origin != DVec3::ZERO), camera);
+    let plain = Layout::default().aovs().len();
+    count.add(Capability::Aovs, wanted.layout.aovs().len().saturating_sub(plain), None);
+    count.add(Capability::AdaptiveSampling, usize::from(wanted.adaptive), None);
     count.asked
+}
+
+/// What of these can be switched on in pictures that are rendered so.
+pub(in crate::scene) fn forceable(these: Capabilities, render: &Render) -> Capabilities {
+    these.iter().filter(|it| *it != Capability::GlassShadows || looks_for_glass(render)).collect()
+}
+
+/// Whether shadow rays go on through glass where there is some.
+fn looks_for_glass(render: &Render) -> bool {
+    let asks = render.integrator.is_ray_tree() || render.integrator == Integrator::View;
+    asks && render.glass_shadows == GlassShadows::Straight
 }
 
 /// The capabilities of a list.
@@ -106,11 +121,7 @@ impl Count<'_> {
 
     /// Materials, each counted once and named by the first shape made of it.
     fn materials(&mut self, scene: &Scene) {
-        let is_tree = matches!(
-            scene.render.integrator,
-            Integrator::Whitted | Integrator::Distribution | Integrator::View
-        );
-        let looks_for_glass = is_tree && scene.render.glass_shadows == GlassShadows::Straight;
+        let looks_for_glass = looks_for_glass(&scene.render);
         for (id, placement) in materials_in_use(scene) {
             let (material, origin) =
                 (&scene.materials[id.index()], self.places.placements.get(placement.index()));

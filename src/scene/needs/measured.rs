@@ -1,6 +1,6 @@
 //! How much time leaving a capability out saves: from the table that `benches/specialise.rs` records.
 
-use crate::scene::needs::capability::Capability;
+use std::collections::HashMap;
 
 /// The table: scenes, each with everything that it does not need switched on alone and together, and the speed relative to that of
 /// the scene as it is.
@@ -17,26 +17,35 @@ pub struct Measured {
     pub scenes: usize,
 }
 
-/// What was measured for a capability, if anything was.
+/// What was measured of each contestant, capabilities among them by their words.
 #[must_use]
-pub fn of(capability: Capability) -> Option<Measured> {
-    of_table(TABLE, capability.word())
+pub fn all() -> HashMap<&'static str, Measured> {
+    of_table(TABLE)
 }
 
-/// What a table says of a contestant.
-fn of_table(table: &str, name: &str) -> Option<Measured> {
+/// What a table says of each contestant.
+fn of_table(table: &str) -> HashMap<&str, Measured> {
     let mut rows = table.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(','));
-    let head: Vec<&str> = rows.next()?.collect();
+    let head: Vec<&str> = rows.next().map(Iterator::collect).unwrap_or_default();
     let column = |name: &str| head.iter().position(|column| *column == name);
-    let (contestant, ratio) = (column("contestant")?, column("ratio")?);
-    let mut ratios: Vec<f64> = rows
-        .filter_map(|row| {
-            let row: Vec<&str> = row.collect();
-            // The table has speeds.
-            let speed: f64 = row.get(ratio)?.parse().ok()?;
-            (*row.get(contestant)? == name && speed > 0.0).then(|| speed.recip())
-        })
-        .collect();
+    let (Some(contestant), Some(ratio)) = (column("contestant"), column("ratio")) else {
+        return HashMap::new();
+    };
+    let mut ratios: HashMap<&str, Vec<f64>> = HashMap::new();
+    for row in rows {
+        let row: Vec<&str> = row.collect();
+        // The table has speeds.
+        let speed: Option<f64> = row.get(ratio).and_then(|speed| speed.parse().ok());
+        if let (Some(name), Some(speed)) = (row.get(contestant).copied(), speed.filter(|speed| *speed > 0.0))
+        {
+            ratios.entry(name).or_default().push(speed.recip());
+        }
+    }
+    ratios.into_iter().filter_map(|(name, ratios)| Some((name, summary(ratios)?))).collect()
+}
+
+/// The middle and both ends.
+fn summary(mut ratios: Vec<f64>) -> Option<Measured> {
     ratios.sort_by(f64::total_cmp);
     let (first, last) = (*ratios.first()?, *ratios.last()?);
     let middle = (ratios.len() - 1) / 2;
@@ -47,15 +56,17 @@ fn of_table(table: &str, name: &str) -> Option<Measured> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::needs::capability::Capability;
 
     #[test]
     fn tables_are_read_by_their_columns() {
         let table = "# machine\nrace,contestant,unit,items_per_cpu_s,ratio,ratio_spread\n\
             a,as it is,samples,100,1.0,0.0\na,lens,samples,50,0.5,0.1\nb,lens,samples,80,0.8,0.1\n";
-        let lens = of_table(table, "lens").expect("measured twice");
+        let measured = of_table(table);
+        let lens = measured.get("lens").expect("measured twice");
         assert_eq!((lens.scenes, lens.range), (2, [1.25, 2.0]), "{lens:?}");
         assert!((lens.ratio - 1.625).abs() < 1e-12, "the middle of both: {lens:?}");
-        assert_eq!(of_table(table, "media"), None, "not measured");
+        assert_eq!(measured.get("media"), None, "not measured");
     }
 
     #[test]

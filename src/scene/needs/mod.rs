@@ -19,7 +19,6 @@ pub use warnings::length;
 use crate::error::{Place, Problem};
 use crate::geometry::Shape;
 use crate::math::Aabb;
-use crate::scene::description::FuzzyBy;
 use crate::scene::needs::capability::Capability;
 use crate::scene::{Scene, Wanted};
 use measured::Measured;
@@ -75,11 +74,13 @@ pub struct Needs {
 }
 
 impl Needs {
-    /// Those of a scene, of which so much is wanted.
+    /// Those of a scene that was frozen for what is wanted.
     #[must_use]
     pub fn of(scene: &Scene, wanted: &Wanted) -> Self {
+        let times = measured::all();
+        let need = |it: Capability| need(scene, wanted, (it, times.get(it.word()).copied()));
         Self {
-            capabilities: Capability::ALL.into_iter().map(|it| need(scene, wanted, it)).collect(),
+            capabilities: Capability::ALL.into_iter().map(need).collect(),
             placements: scene.world.placements.len(),
             shapes: scene.world.shapes.len(),
             primitives: scene.world.primitive_count(),
@@ -117,27 +118,18 @@ pub fn warnings_of_triangles(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
     warnings::of_triangles(scene, origins)
 }
 
-fn need(scene: &Scene, wanted: &Wanted, capability: Capability) -> Need {
+fn need(scene: &Scene, wanted: &Wanted, (capability, time): (Capability, Option<Measured>)) -> Need {
     let asked = scene.asked().iter().find(|asked| asked.capability == capability);
-    let of_picture = match capability {
-        Capability::Aovs => wanted.layout.aovs().len().saturating_sub(PLAIN),
-        Capability::AdaptiveSampling => usize::from(wanted.adaptive),
-        Capability::TwoPass => usize::from(scene.render.glossy == FuzzyBy::TwoPass),
-        _ => 0,
-    };
-    let count = asked.map_or(of_picture, |asked| asked.count);
+    let count = asked.map_or(usize::from(scene.requires(capability)), |asked| asked.count);
     Need {
         capability,
         count,
         first: asked.and_then(|asked| asked.first.clone()),
         forced: count == 0 && scene.forces(capability),
         bytes: bytes::of(scene, wanted, capability),
-        time: measured::of(capability),
+        time,
     }
 }
-
-/// Outputs of every picture: its colour and its coverage.
-const PLAIN: usize = 2;
 
 /// The meshes of a scene.
 fn meshes(scene: &Scene) -> impl Iterator<Item = &crate::geometry::Mesh> {

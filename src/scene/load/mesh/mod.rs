@@ -16,6 +16,7 @@ use super::ply::decode_ply;
 use crate::error::{Error, Place, Problem, Result};
 use crate::geometry::Mesh;
 use crate::scene::description::{Material, Named, Normals};
+use crate::scene::library::Stamp;
 use crate::trust::{Limit, Limits, Trust};
 pub(super) use about::positions;
 pub(super) use cutter::Cutter;
@@ -32,8 +33,8 @@ pub struct LoadedMesh {
     pub origin: DVec3,
     /// A material for each group; none where the file speaks of no material.
     pub materials: Vec<Named<Material>>,
-    /// Files of materials that the file names.
-    pub libraries: Vec<PathBuf>,
+    /// Files of materials that the file names, each once, as they were before they were read.
+    pub libraries: Vec<(PathBuf, Stamp)>,
     /// What was left out or put right.
     pub warnings: Vec<Problem>,
 }

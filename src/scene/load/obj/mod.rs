@@ -18,12 +18,13 @@ mod vertices;
 use super::mesh::{About, Cutter, LoadedMesh, Parts, Shading, check_count, no_triangle};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::scene::description::{Material, Named, Normals, Scattering, Texture};
-use crate::trust::Trust;
+use crate::scene::library::Stamp;
+use crate::trust::{Limit, Trust};
 use glam::Vec2;
 use mtl::Library;
 use outline::Outline;
 use polygons::{Corner, Polygons};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use vertices::Vertices;
 
@@ -52,10 +53,11 @@ pub(super) fn decode_obj(
         let dropped = triangles.cutter.dropped().map(|what| (None, what));
         return Err(no_triangle(path, dropped.or(ignored)).into());
     }
-    let materials = materials(&outline, &triangles.groups, (path, trust), &mut warnings)?;
+    let files = library_files(&outline, path, trust)?;
+    let materials = materials((&outline, &files[..]), &triangles.groups, (path, trust), &mut warnings)?;
     let loaded = triangles.parts(&polygons).load(shading, path, warnings)?;
-    let files = outline.libraries.iter().flat_map(|(names, _)| library_files(names, path));
-    Ok(LoadedMesh { materials, libraries: files.collect(), ..loaded })
+    let libraries = files.into_iter().map(|file| (file.path, file.stamp)).collect();
+    Ok(LoadedMesh { materials, libraries, ..loaded })
 }
 
 /// A number of tobj in single precision: it reads in double precision because positions need it.
@@ -143,7 +145,7 @@ impl Triangles {
 
 /// The materials of the groups. Fails where files of materials, or pictures that these name, ask for too much or lie where they must not.
 fn materials(
-    outline: &Outline,
+    (outline, files): (&Outline, &[LibraryFile]),
     groups: &[Option<u16>],
     (path, trust): (&Path, &Trust),
     warnings: &mut Vec<Problem>,
@@ -151,7 +153,7 @@ fn materials(
     if groups.iter().all(Option::is_none) {
         return Ok(vec![]);
     }
-    let (library, complete) = library(outline, (path, trust), warnings)?;
+    let (library, complete) = library(files, (path, trust), warnings)?;
     let gray = || Scattering::Diffuse { reflectance: Texture::gray(0.5) }.into();
     let material = |group: &Option<u16>| {
         let Some((name, line)) = group.map(|i| &outline.materials[usize::from(i)]) else {
@@ -174,36 +176,34 @@ fn materials(
     Ok(groups.iter().map(material).collect())
 }
 
-/// The materials of all files that the text names, and whether all these files could be read.
+/// The materials of all files, and whether all of them could be read.
 fn library<'a>(
-    outline: &Outline,
+    files: &[LibraryFile],
     (path, trust): (&Path, &'a Trust),
     warnings: &mut Vec<Problem>,
 ) -> Result<(Library<'a>, bool)> {
     let mut library = Library::new(trust);
     let mut complete = true;
     let mut refused = Problems::default();
-    for (names, line) in &outline.libraries {
-        for file in library_files(names, path) {
-            let place = Place { line: Some(*line), ..Place::file(path) };
-            if let Some((what, remedy)) = trust.outside(&file) {
-                refused.push(Problem::at(place, what).remedy(remedy));
+    for LibraryFile { path: file, line, .. } in files {
+        let place = Place { line: Some(*line), ..Place::file(path) };
+        if let Some((what, remedy)) = trust.outside(file) {
+            refused.push(Problem::at(place, what).remedy(remedy));
+            continue;
+        }
+        let why = match trust.read(file, "cannot read") {
+            Ok(bytes) => library.read(file, &text::decode(bytes)).err(),
+            Err(Error::Refused(Problem { what, remedy, .. })) => {
+                let what = format!("`{}` is not read: {what}", file.display());
+                refused.push(Problem { place: Some(place), what, remedy });
                 continue;
             }
-            let why = match trust.read(&file, "cannot read") {
-                Ok(bytes) => library.read(&file, &text::decode(bytes)).err(),
-                Err(Error::Refused(Problem { what, remedy, .. })) => {
-                    let what = format!("`{}` is not read: {what}", file.display());
-                    refused.push(Problem { place: Some(place), what, remedy });
-                    continue;
-                }
-                Err(error) => Some(cause(&error)),
-            };
-            if let Some(why) = why {
-                complete = false;
-                let problem = Problem::at(place, format!("cannot read `{}`: {why}", file.display()));
-                warnings.push(problem.remedy("its materials are made gray and diffuse"));
-            }
+            Err(error) => Some(cause(&error)),
+        };
+        if let Some(why) = why {
+            complete = false;
+            let problem = Problem::at(place, format!("cannot read `{}`: {why}", file.display()));
+            warnings.push(problem.remedy("its materials are made gray and diffuse"));
         }
     }
     warnings.append(&mut library.warnings);
@@ -216,13 +216,44 @@ fn cause(error: &Error) -> String {
     std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string)
 }
 
+/// A file of materials.
+#[derive(Debug)]
+struct LibraryFile {
+    path: PathBuf,
+    /// The first line that names it.
+    line: u32,
+    /// As it is before it is read.
+    stamp: Stamp,
+}
+
+/// The files of materials that a mesh names, each once in the order met. Fails, before any is read, where they are too many.
+fn library_files(outline: &Outline, path: &Path, trust: &Trust) -> Result<Vec<LibraryFile>> {
+    let (mut files, mut lines, mut known) = (Vec::new(), HashSet::new(), HashSet::new());
+    for (names, line) in &outline.libraries {
+        let named = if lines.insert(names) { named_files(names, path, trust) } else { vec![] };
+        for file in named {
+            if known.insert(file.clone()) {
+                files.push((file, *line));
+            }
+        }
+    }
+    // The mesh is a file, too.
+    trust.limits.check(Limit::Files, files.len() as u64 + 1).map_err(|excess| {
+        let allowed = usize::try_from(excess.most.saturating_sub(1)).ok();
+        let line = allowed.and_then(|allowed| files.get(allowed)).map(|(_, line)| *line);
+        Error::Refused(excess.at(Place { line, ..Place::file(path) }))
+    })?;
+    let stamped = |(path, line): (PathBuf, u32)| LibraryFile { stamp: Stamp::of(&path), path, line };
+    Ok(files.into_iter().map(stamped).collect())
+}
+
 /// The files that a line of `mtllib` names: one with spaces in its name if there is such a file, else one per word. A
-/// backslash makes a space part of a word, and stands between folders otherwise.
-fn library_files(names: &str, path: &Path) -> Vec<PathBuf> {
+/// backslash makes a space part of a word, and stands between folders otherwise. Where files must not lie it is not looked.
+fn named_files(names: &str, path: &Path, trust: &Trust) -> Vec<PathBuf> {
     let beside = |name: &str| path.with_file_name(name.replace('\\', "/").replace('\0', " "));
     let escaped = names.replace("\\ ", "\0");
     let whole = beside(names);
-    if whole.is_file() {
+    if trust.outside(&whole).is_none() && whole.is_file() {
         return vec![whole];
     }
     escaped.split_whitespace().map(beside).collect()
