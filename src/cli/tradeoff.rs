@@ -14,9 +14,6 @@ use super::{log, output, threads};
 use crate::bench::machine::{self, Machine};
 use crate::error::{Error, Result};
 use crate::image::atomic;
-use crate::math::lanes::Level;
-use crate::measure::flip::{Viewing, Watch};
-use crate::measure::{Comparison, Pair};
 use crate::render::{self, Progress};
 use crate::scene;
 use crate::tradeoff::design::{Axis, Design};
@@ -25,7 +22,7 @@ use crate::tradeoff::knobs::Knob;
 use crate::tradeoff::recommend::recommend;
 use crate::tradeoff::report::Shown;
 use crate::tradeoff::runs::{Bench, Sweep, Tally};
-use crate::tradeoff::{Outcome, Reference, Report, Subject, outcomes};
+use crate::tradeoff::{Outcome, Reference, Report, Subject, compared, outcomes};
 
 /// Sweeps a scene and prints what came out.
 pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
@@ -107,7 +104,9 @@ impl Plan {
         let sweep = Sweep::new(&subject, &self.axes, self.design, options.runs)?;
         let mut head = self.head(&subject, &machine)?;
         if let Some((path, true)) = &options.keep {
-            Log::check(path, &head)?;
+            let mut known = head.clone();
+            known["reference"] = self.planned();
+            Log::check(path, &known)?;
         }
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         let reference = self.reference(&mut subject, &head, progress)?;
@@ -176,6 +175,15 @@ impl Plan {
             "threads": self.options.threads.map_or(machine.processors, std::num::NonZero::get),
             "reference": null,
         }))
+    }
+
+    /// What is known of the reference before it is rendered; nothing of one in a file.
+    fn planned(&self) -> Value {
+        let (settings, spp) = &self.reference;
+        match self.options.against {
+            Against::File(_) => Value::Null,
+            Against::Rendered(_) => Reference::planned(settings, *spp),
+        }
     }
 
     /// The picture to compare with: read, kept from an earlier sweep, or rendered.
@@ -249,11 +257,7 @@ fn shown(report: &Report, sweep: &Sweep, subject: &mut Subject, bench: &Bench<'_
     let of = |i: usize| {
         let Outcome { point, .. } = &report.outcomes[i];
         let picture = sweep.picture(subject, point, bench)?;
-        let names = ["picture", "reference"];
-        let pair = Pair::new(picture.clone().into(), report.reference.image.clone().into(), names)?;
-        let level = Level::from_env().unwrap_or_else(|_| Level::best());
-        let watch = Watch { level, progress: &render::Silent };
-        let flip = Comparison::of(&pair, Viewing::default(), watch)?.flip_map;
+        let flip = compared(&picture, &report.reference.image)?.flip_map;
         Ok(Shown { name: point.name(), picture, flip })
     };
     chosen.into_iter().map(of).collect()
