@@ -13,7 +13,7 @@ use super::render::development;
 use super::{log, output, threads};
 use crate::bench::machine::{self, Machine};
 use crate::error::{Error, Result};
-use crate::image::atomic;
+use crate::image::{Image, atomic};
 use crate::render::{self, Progress};
 use crate::scene;
 use crate::tradeoff::design::{Axis, Design};
@@ -21,8 +21,8 @@ use crate::tradeoff::kept::{KIND, Log, Run};
 use crate::tradeoff::knobs::Knob;
 use crate::tradeoff::recommend::recommend;
 use crate::tradeoff::report::Shown;
-use crate::tradeoff::runs::{Bench, Sweep, Tally};
-use crate::tradeoff::{Outcome, Reference, Report, Subject, compared, outcomes};
+use crate::tradeoff::runs::{Bench, Point, Sweep, Tally};
+use crate::tradeoff::{Reference, Report, Subject, compared, outcomes};
 
 /// Sweeps a scene and prints what came out.
 pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
@@ -254,11 +254,10 @@ fn shown(report: &Report, sweep: &Sweep, subject: &mut Subject, bench: &Bench<'_
     let mut chosen: Vec<usize> = front.into_iter().step_by(step).collect();
     let plain = report.outcomes.iter().position(|it| it.point.curve().is_empty());
     chosen.extend(plain.filter(|plain| !chosen.contains(plain)));
-    let of = |i: usize| {
-        let Outcome { point, .. } = &report.outcomes[i];
-        let picture = sweep.picture(subject, point, bench)?;
+    let points: Vec<&Point> = chosen.into_iter().map(|i| &report.outcomes[i].point).collect();
+    let of = |(point, picture): (&&Point, Image)| {
         let flip = compared(&picture, &report.reference.image)?.flip_map;
         Ok(Shown { name: point.name(), picture, flip })
     };
-    chosen.into_iter().map(of).collect()
+    points.iter().zip(sweep.pictures(subject, &points, bench)?).map(of).collect()
 }

@@ -104,15 +104,24 @@ impl Sweep {
         own.next().filter(|_| is_alone)
     }
 
-    /// The first picture of a point again.
+    /// The first pictures of points again.
     ///
     /// Fails as rendering does.
-    pub fn picture(&self, subject: &mut Subject, point: &Point, bench: &Bench<'_>) -> Result<Image> {
-        let Some(at) = self.points.iter().position(|it| it.key == point.key) else {
-            return Err(Problem::new("there is no such point").into());
-        };
+    pub fn pictures(
+        &self,
+        subject: &mut Subject,
+        points: &[&Point],
+        bench: &Bench<'_>,
+    ) -> Result<Vec<Image>> {
+        let mut easel = Easel::new(bench)?;
         let seed = subject.base().render.seed;
-        Ok(Easel::new(bench)?.render(subject.scene(&self.descriptions[at], seed)?)?.film.image())
+        let mut picture = |point: &&Point| -> Result<Image> {
+            let Some(at) = self.points.iter().position(|it| it.key == point.key) else {
+                return Err(Problem::new("there is no such point").into());
+            };
+            Ok(easel.render(subject.scene(&self.descriptions[at], seed)?)?.film.image())
+        };
+        points.iter().map(&mut picture).collect()
     }
 
     /// Renders what is missing; `keep` is handed each run as soon as it is done.
