@@ -50,7 +50,9 @@ def table(specula, folder):
         if not long.exists():
             run(specula, "render", scene, "-q", *SIZE, *more, "--spp", LONG, "--seed", "4711", "-o", long)
         if not sweep.exists():
-            knobs = ["--knob", "spp=4,16,64", "--knob", "sampler", "--knob", "min_throughput=1e-3,1e-2", "--runs", "3"]
+            knobs = ["--knob", "spp=4,16,64", "--knob", "sampler", "--runs", "3"]
+            if kind == "tree":
+                knobs += ["--knob", "min_throughput=1e-3,1e-2"]
             run(specula, "tradeoff", scene, "-q", *SIZE, *more, *knobs, "--keep", sweep, "-t", "2")
         for asked in (["--preset", "preview"], ["--preset", "final"], ["--budget", BUDGET, "--tradeoff", sweep]):
             picture, stats = folder / "a.exr", folder / "a.json"

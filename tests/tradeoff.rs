@@ -173,6 +173,20 @@ fn a_sweep_goes_on_where_it_was_left() {
 }
 
 #[test]
+fn another_reference_is_refused_before_it_is_rendered() {
+    let desk = place("integrator = \"path\"");
+    let small = ["--runs", "2", "--width", "9", "--height", "5"];
+    sweep(&desk, &[&small[..], &["--knob", "spp=2", "--keep", "a.jsonl"]].concat());
+    let files = || desk.names().into_iter().map(|name| (fs::read(desk.path(&name)).expect("a file"), name));
+    let before: Vec<_> = files().collect();
+    // Sixteen times the most samples, at least 256.
+    let more = ["tradeoff", "a.toml", "-q", "--knob", "spp=2,32", "--resume", "a.jsonl"];
+    let (status, _, said) = desk.run(&[&more[..], &small[..]].concat());
+    assert!(status == 2 && said.contains("`reference.spp` is 256 there and 512 here"), "{status}: {said}");
+    assert!(files().eq(before), "no file has changed, the reference least of all");
+}
+
+#[test]
 fn what_makes_no_sense_is_refused() {
     let desk = place("integrator = \"path\"");
     let refused = |words: &[&str], parts: &[&str]| {

@@ -13,7 +13,7 @@ use crate::scene::{self, description::Sampler};
 use crate::tradeoff::curve::Curve;
 use crate::tradeoff::kept::Kept;
 use crate::tradeoff::outcomes_kept;
-use crate::tradeoff::pilot::{Pilot, is_of_samples};
+use crate::tradeoff::pilot::Pilot;
 use crate::tradeoff::presets::{self, Advice, Kind, Preset};
 
 /// What is to be expected of a picture.
@@ -146,11 +146,10 @@ fn by_preset(
     let mut frozen = turn(options, frozen, &advice.set)?;
     let (look, curve) = look(options, &mut frozen, &advice, (LOOK_S, studio, progress))?;
     let spp = rounded(curve.samples_for(preset.target().max(curve.bias2 * 2.0)).unwrap_or(1.0));
-    let mut set = advice.set;
+    let set = advice.set;
     let frozen = turn(options, frozen, &[("render.spp".to_owned(), spp.to_string())])?;
     let spp = f64::from(frozen.scene.render.spp());
     let cpu_s = curve.time(spp);
-    set.retain(|(key, _)| !is_of_samples(key));
     let wall_s = start.elapsed().as_secs_f64() + cpu_s / threads(options);
     let by = format!("preset {}, after a look of {:.1} s", preset.word(), look.spent.wall.as_secs_f64());
     let asked = json!({ "preset": preset.word(), "relmse": preset.target() });

@@ -8,7 +8,6 @@ use serde_json::Value;
 use super::{log, plan};
 use crate::error::{Place, Problem, Result};
 use crate::scene::{self, Built, Description, Library, Loaded, Needs, Pruned, Scene, Wanted, needs, pruned};
-use crate::tradeoff;
 use crate::trust::Trust;
 
 /// A scene, and what is known of it beside.
@@ -104,17 +103,15 @@ impl Frozen {
     }
 
     /// The same files with other values replaced: the scene is told settings where that is enough, and built anew where it is not.
-    pub(super) fn turned(self, overrides: &[String]) -> Result<Self> {
+    pub(super) fn turned(mut self, overrides: &[String]) -> Result<Self> {
         let loaded = scene::load_within(&self.path, overrides, &self.trust)?;
         let number = self.frame.map(|(number, _)| number);
         let (description, frame) = at_frame(loaded.description.clone(), number);
-        if !tradeoff::is_built_alike(&self.description, &description) {
+        if !scene::retune(&mut self.scene, &self.description, &description) {
             return Self::of(loaded, &self.path, (number, self.wanted), (&self.trust, &Arc::default()));
         }
         let hash = scene::fingerprint(&description, self.folder());
-        let mut scene = self.scene;
-        (scene.render, scene.film) = (description.render.clone(), description.film.clone());
-        Ok(Self { scene, hash, description, frame, ..self })
+        Ok(Self { hash, description, frame, ..self })
     }
 
     /// The folder of its file.

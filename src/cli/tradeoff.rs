@@ -12,10 +12,7 @@ use super::render::development;
 use super::{log, output, threads};
 use crate::bench::machine::{self, Machine};
 use crate::error::{Error, Result};
-use crate::image::atomic;
-use crate::math::lanes::Level;
-use crate::measure::flip::{Viewing, Watch};
-use crate::measure::{Comparison, Pair};
+use crate::image::{Image, atomic};
 use crate::render::{self, Progress};
 use crate::scene;
 use crate::tradeoff::design::{Axis, Design};
@@ -23,8 +20,8 @@ use crate::tradeoff::kept::{KIND, Log, Run};
 use crate::tradeoff::knobs::Knob;
 use crate::tradeoff::recommend::recommend;
 use crate::tradeoff::report::Shown;
-use crate::tradeoff::runs::{Bench, Sweep, Tally};
-use crate::tradeoff::{Outcome, Reference, Report, Subject, outcomes};
+use crate::tradeoff::runs::{Bench, Point, Sweep, Tally};
+use crate::tradeoff::{Reference, Report, Subject, compared, outcomes};
 
 /// Sweeps a scene and prints what came out.
 pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
@@ -105,7 +102,9 @@ impl Plan {
     fn carry_out(&mut self, machine: Machine, progress: &dyn Progress) -> Result<Report> {
         let mut head = self.head(&machine)?;
         if let Some((path, true)) = &self.options.keep {
-            Log::check(path, &head)?;
+            let mut known = head.clone();
+            known["reference"] = self.planned();
+            Log::check(path, &known)?;
         }
         let pixels = u64::from(self.size[0]) * u64::from(self.size[1]);
         let reference = self.reference(&head, progress)?;
@@ -177,6 +176,15 @@ impl Plan {
         }))
     }
 
+    /// What is known of the reference before it is rendered; nothing of one in a file.
+    fn planned(&self) -> Value {
+        let (settings, spp) = &self.reference;
+        match self.options.against {
+            Against::File(_) => Value::Null,
+            Against::Rendered(_) => Reference::planned(settings, *spp),
+        }
+    }
+
     /// The picture to compare with: read, kept from an earlier sweep, or rendered.
     fn reference(&mut self, head: &Value, progress: &dyn Progress) -> Result<Reference> {
         let (settings, spp) = &self.reference;
@@ -241,15 +249,10 @@ fn shown(report: &Report, sweep: &Sweep, subject: &mut Subject, bench: &Bench<'_
     let mut chosen: Vec<usize> = front.into_iter().step_by(step).collect();
     let plain = report.outcomes.iter().position(|it| it.point.curve().is_empty());
     chosen.extend(plain.filter(|plain| !chosen.contains(plain)));
-    let of = |i: usize| {
-        let Outcome { point, .. } = &report.outcomes[i];
-        let picture = sweep.picture(subject, point, bench)?;
-        let names = ["picture", "reference"];
-        let pair = Pair::new(picture.clone().into(), report.reference.image.clone().into(), names)?;
-        let level = Level::from_env().unwrap_or_else(|_| Level::best());
-        let watch = Watch { level, progress: &render::Silent };
-        let flip = Comparison::of(&pair, Viewing::default(), watch)?.flip_map;
+    let points: Vec<&Point> = chosen.into_iter().map(|i| &report.outcomes[i].point).collect();
+    let of = |(point, picture): (&&Point, Image)| {
+        let flip = compared(&picture, &report.reference.image)?.flip_map;
         Ok(Shown { name: point.name(), picture, flip })
     };
-    chosen.into_iter().map(of).collect()
+    points.iter().zip(sweep.pictures(subject, &points, bench)?).map(of).collect()
 }

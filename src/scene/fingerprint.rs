@@ -10,7 +10,12 @@ use xxhash_rust::xxh3::xxh3_128;
 /// version of the program, with other keys, may give other digits. By XXH3 of 128 bits (Collet 2019) of the description in JSON.
 #[must_use]
 pub fn fingerprint(description: &Description, folder: &Path) -> String {
-    format!("{:032x}", xxh3_128(related(description, folder).to_string().as_bytes()))
+    digits(&related(description, folder))
+}
+
+/// 32 hexadecimal digits of a document, keys in their order.
+pub(crate) fn digits(json: &Value) -> String {
+    format!("{:032x}", xxh3_128(json.to_string().as_bytes()))
 }
 
 /// The description in JSON, files named as seen from `folder`.

@@ -17,8 +17,9 @@ pub mod schema;
 mod track;
 mod wanted;
 
-pub use build::{Built, build, build_for, build_from, build_within, retake};
+pub use build::{Built, build, build_for, build_from, build_within, retake, retune};
 pub use description::{Description, Direct, GlassShadows};
+pub(crate) use fingerprint::digits;
 pub use fingerprint::fingerprint;
 pub use frozen::Scene;
 pub use identity::{differences, digest_of_file, digest_of_files, files, identity, identity_within};

@@ -3,9 +3,11 @@
 //! Time is a fixed part and a part for each sample. Variance is followed from one measured number of samples to the next on straight lines in
 //! logarithms, and beyond the last ones as between the last two; how fast it falls is the sampler's matter (independent samples: as one over their
 //! number; well-placed ones faster). Bias is that of all numbers of samples together, each weighed by how well it is known; what may as well
-//! be none counts as none.
+//! be none counts as none. How well it is known all together does not follow as from independent measurements: their runs have the same seeds and their
+//! reference the same noise.
 
 use super::Outcome;
+use super::student::Interval;
 
 /// Settings at several numbers of samples.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +16,10 @@ pub struct Curve {
     pub name: String,
     /// The same as keys of the scene file and values.
     pub set: Vec<(String, String)>,
-    /// Squared bias in relMSE, from 0.
+    /// Squared bias in relMSE that counts: 0 where it may as well be none.
     pub bias2: f64,
+    /// The same as it was found.
+    pub found_bias2: Interval,
     /// Seconds of the processor that a picture takes beside its samples.
     pub fixed_s: f64,
     /// Seconds of the processor that a sample of all pixels takes.
@@ -52,26 +56,27 @@ impl Curve {
         let (fixed_s, pace_s) = line(ends);
         let set = first.point.set.iter().filter(|[knob, ..]| knob != super::design::SAMPLES);
         let set = set.map(|[_, key, value]| (key.clone(), value.clone())).collect();
-        (!noise.is_empty()).then(|| Self {
-            name: name.to_owned(),
-            set,
-            bias2: bias2(&own),
-            fixed_s,
-            pace_s,
-            noise,
-        })
+        (!noise.is_empty())
+            .then(|| Self::measured(name.to_owned(), set, (bias2(&own), fixed_s, pace_s), noise))
     }
 
-    /// A curve that is known from elsewhere: squared bias, fixed part and pace, and samples with variances, fewest first, at least one.
+    /// A curve by its figures: squared bias as it was found, fixed part and pace, and samples with variances, fewest first, at least one.
     #[must_use]
     pub fn measured(
         name: String,
         set: Vec<(String, String)>,
-        (bias2, fixed_s, pace_s): (f64, f64, f64),
+        (found_bias2, fixed_s, pace_s): (Interval, f64, f64),
         noise: Vec<[f64; 2]>,
     ) -> Self {
         debug_assert!(!noise.is_empty(), "a curve of nothing");
-        Self { name, set, bias2, fixed_s, pace_s, noise }
+        let bias2 = if found_bias2.may_be_zero() { 0.0 } else { found_bias2.value.max(0.0) };
+        Self { name, set, bias2, found_bias2, fixed_s, pace_s, noise }
+    }
+
+    /// The most that squared bias may be: the end of its interval. `None` where that is not known.
+    #[must_use]
+    pub fn most_bias2(&self) -> Option<f64> {
+        self.found_bias2.half.map(|half| self.found_bias2.value.max(0.0) + half)
     }
 
     /// Samples per pixel and variance in relMSE, fewest first.
@@ -128,7 +133,14 @@ impl Curve {
         }
         let [a, b] = self.around(|[_, variance]| variance <= wanted);
         if b[1] <= 0.0 {
-            return Some(b[0]);
+            // No way down to nothing is known: the fewest that were measured and are enough, or one where there is no noise at all.
+            return Some(if a[1] <= 0.0 {
+                1.0
+            } else if a[1] <= wanted {
+                a[0]
+            } else {
+                b[0]
+            });
         }
         Some((b[0] * (wanted / b[1]).powf(slope(a, b).recip())).max(1.0))
     }
@@ -160,19 +172,28 @@ fn line([[n0, t0], [n1, t1]]: [[f64; 2]; 2]) -> (f64, f64) {
     if pace > 0.0 && fixed >= 0.0 { (fixed, pace.max(LEAST)) } else { through_origin }
 }
 
-/// The bias that is known of settings.
-fn bias2(outcomes: &[&Outcome]) -> f64 {
-    let known = outcomes.iter().filter_map(|it| it.moments.bias2);
-    let known: Vec<(f64, f64)> =
-        known.map(|it| (it.value, it.half.map_or(1.0, |half| half.max(1e-12).powi(-2)))).collect();
-    let weights: f64 = known.iter().map(|(_, weight)| weight).sum();
+/// Half of the interval of an outcome's bias by the seeds of its runs. Of one pair there is no such; then the variance, which a product of two noises is
+/// not above (Cauchy and Schwarz).
+fn by_seeds(outcome: &Outcome) -> Option<f64> {
+    let variance = || outcome.moments.variance.map(|variance| variance.value.max(0.0));
+    outcome.moments.by_seeds.or_else(variance)
+}
+
+/// The bias that is found of settings, and how well it is known.
+fn bias2(outcomes: &[&Outcome]) -> Interval {
+    const LEAST: f64 = 1e-12;
+    let known = outcomes.iter().filter_map(|it| Some((it.moments.bias2?.value, by_seeds(it)?.max(LEAST))));
+    let known: Vec<(f64, f64)> = known.collect();
+    let weights: f64 = known.iter().map(|(_, half)| half.powi(-2)).sum();
     if weights <= 0.0 {
-        return 0.0;
+        return Interval::default();
     }
-    let mean = known.iter().map(|(value, weight)| value * weight).sum::<f64>() / weights;
-    let has_half = outcomes.iter().any(|it| it.moments.bias2.is_some_and(|bias| bias.half.is_some()));
-    let half = weights.sqrt().recip();
-    if has_half && mean <= half { 0.0 } else { mean.max(0.0) }
+    let mean = |of: &dyn Fn(&(f64, f64)) -> f64| {
+        known.iter().map(|it| of(it) * it.1.powi(-2)).sum::<f64>() / weights
+    };
+    // The deviation of a sum is that of its parts together where they go together; it is never more.
+    let found = Interval { value: mean(&|it| it.0), half: Some(mean(&|it| it.1)) };
+    found.widened(outcomes.iter().map(|it| it.moments.by_reference).fold(0.0, f64::max))
 }
 
 #[cfg(test)]
@@ -198,6 +219,8 @@ pub(super) mod tests {
                 error: interval(bias2 + variance),
                 bias2: Some(interval(bias2)),
                 variance: Some(interval(variance)),
+                by_seeds: interval(bias2).half,
+                by_reference: 0.0,
             },
             mse: interval(variance),
             flip: interval(0.1),
@@ -231,17 +254,57 @@ pub(super) mod tests {
     #[test]
     fn what_may_be_none_is_none_and_one_number_of_samples_is_enough() {
         let mut one = outcome("a", 8, [2.0, 1e-4, 1e-2]);
-        one.moments.bias2 = Some(Interval { value: 1e-4, half: Some(2e-4) });
+        one.moments.by_seeds = Some(2e-4);
         let curves = Curve::all(&[one]);
+        near("the most bias", curves[0].most_bias2().expect("known"), 3e-4);
         near("error", curves[0].error(16.0), 5e-3);
         near("time", curves[0].time(16.0), 4.0);
         assert_eq!((curves[0].name.as_str(), curves[0].set.len()), ("a = 1", 1), "named");
+    }
+
+    /// The curve of outcomes at three numbers of samples with that bias.
+    fn biased(bias2: f64, by_seeds: Option<f64>, by_reference: f64) -> Curve {
+        let outcomes = [4, 16, 64].map(|spp| {
+            let mut it = outcome("", spp, [1.0, bias2, 1e-2 / f64::from(spp)]);
+            (it.moments.by_seeds, it.moments.by_reference) = (by_seeds, by_reference);
+            it
+        });
+        Curve::all(&outcomes).remove(0)
+    }
+
+    #[test]
+    fn what_numbers_of_samples_have_in_common_does_not_average_out() {
+        let shared = biased(1.5e-4, Some(1e-6), 1e-4);
+        assert!(shared.bias2.abs() < 1e-12, "the reference is as far off: {shared:?}");
+        near("the most", shared.most_bias2().expect("known"), 1.5e-4 + 1e-6_f64.hypot(1.96e-4));
+        let seeds = biased(1.5e-4, Some(2e-4), 0.0);
+        assert!(seeds.bias2.abs() < 1e-12, "the seeds are the same: {seeds:?}");
+        near("bias", biased(2.5e-4, Some(1e-4), 1e-4).bias2, 2.5e-4);
+    }
+
+    #[test]
+    fn the_product_of_one_pair_is_chance_unless_it_is_more_than_variance() {
+        // At 64 samples the variance is 1.6e-4, and most of what is known.
+        let small = biased(1e-4, None, 0.0);
+        assert!(small.bias2.abs() < 1e-12, "chance: {small:?}");
+        let large = biased(1e-2, None, 0.0);
+        near("bias", large.bias2, 1e-2);
     }
 
     #[test]
     fn without_noise_nothing_divides_by_it() {
         let curves = Curve::all(&[outcome("", 1, [1.0, 0.0, 0.0]), outcome("", 4, [4.0, 0.0, 0.0])]);
         assert!(curves[0].error(2.0).abs() < 1e-12, "{curves:?}");
-        assert!(curves[0].samples_for(1e-3).is_some_and(|spp| spp >= 1.0), "{curves:?}");
+        let one = |spp: Option<f64>| spp.is_some_and(|spp| (spp - 1.0).abs() < 1e-12);
+        assert!(one(curves[0].samples_for(1e-3)), "{curves:?}");
+        let quiet =
+            |noise| Curve::measured(String::new(), Vec::new(), (Interval::default(), 0.0, 1.0), noise);
+        assert!(one(quiet(vec![[16.0, 0.0], [1024.0, 0.0]]).samples_for(1e-3)), "as a first look tells it");
+        let quiet = quiet(vec![[4.0, 1e-2], [16.0, 0.0]]);
+        assert_eq!(
+            [1e-1, 1e-3].map(|error| quiet.samples_for(error)),
+            [Some(4.0), Some(16.0)],
+            "as measured"
+        );
     }
 }

@@ -3,7 +3,7 @@
 //! The first line is a head in JSON: what scene, settings, reference and machine the runs are of. Each further line is a [`Run`]. A line is written
 //! in one go when its run is done, so that no more than that run is lost whatever happens; a last line that was cut off is dropped.
 
-use super::moments::Own;
+use super::moments::{Own, Product};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::scene;
 use serde_json::{Value, json};
@@ -26,7 +26,7 @@ pub struct Run {
     pub seed: u64,
     /// Seconds of the processor that tracing took, all threads together.
     pub cpu_s: f64,
-    /// The same of building the hierarchy.
+    /// The same of building the hierarchy that it was rendered on.
     pub build_cpu_s: f64,
     /// Seconds by the clock that tracing took.
     pub wall_s: f64,
@@ -37,7 +37,7 @@ pub struct Run {
     /// Rays.
     pub rays: f64,
     /// Numbers of other runs of the same point, and the product with their pictures ([`super::moments::Measure::product`]).
-    pub products: Vec<(u32, f64)>,
+    pub products: Vec<(u32, Product)>,
 }
 
 impl Run {
@@ -56,7 +56,7 @@ impl Run {
             "brightness": self.own.brightness,
             "flip": self.flip,
             "rays": self.rays,
-            "products": self.products,
+            "products": self.products.iter().map(|(number, of)| json!([number, of.value, of.cross])).collect::<Vec<_>>(),
         })
     }
 
@@ -65,7 +65,10 @@ impl Run {
         let whole = |json: &Value| u32::try_from(json.as_u64()?).ok();
         let word = |json: &Value| json.as_str().map(str::to_owned);
         let set = json["set"].as_array()?.iter().map(|it| Some((word(&it[0])?, word(&it[1])?)));
-        let products = json["products"].as_array()?.iter().map(|it| Some((whole(&it[0])?, it[1].as_f64()?)));
+        // Older files have no `cross`.
+        let product =
+            |it: &Value| Some(Product { value: it[1].as_f64()?, cross: it[2].as_f64().unwrap_or(0.0) });
+        let products = json["products"].as_array()?.iter().map(|it| Some((whole(&it[0])?, product(it)?)));
         Some(Self {
             point: word(&json["point"])?,
             set: set.collect::<Option<_>>()?,
@@ -110,7 +113,7 @@ impl Log {
         Ok(log)
     }
 
-    /// Refuses a file of anything else than `head` says, reference left out, if there is one.
+    /// Refuses a file of anything else than `head` says, if there is one, before there is a reference: of that only what `head` knows of it counts.
     ///
     /// Fails as [`Log::resume`] does.
     pub fn check(path: &Path, head: &Value) -> Result<()> {
@@ -118,7 +121,9 @@ impl Log {
             return Ok(());
         }
         let mut there = Kept::read(path)?.head;
-        there["reference"] = Value::Null;
+        there["reference"] = head["reference"].as_object().map_or(Value::Null, |known| {
+            known.keys().map(|key| (key.clone(), there["reference"][key].clone())).collect()
+        });
         same(path, &there, head)
     }
 
@@ -208,6 +213,11 @@ fn failed(path: &Path, what: &'static str, source: std::io::Error) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tradeoff::Reference;
+
+    fn product(value: f64) -> Product {
+        Product { value, cross: value * 1e-3 }
+    }
 
     fn run(number: u32) -> Run {
         Run {
@@ -222,7 +232,7 @@ mod tests {
             own: Own { relmse: 1.5e-7, mse: 3.0, brightness: -0.25 },
             flip: 0.0,
             rays: 1e9,
-            products: (0..number).map(|other| (other, f64::from(other) * 0.1)).collect(),
+            products: (0..number).map(|other| (other, product(f64::from(other) * 0.1))).collect(),
         }
     }
 
@@ -270,5 +280,24 @@ mod tests {
             .expect("written");
         let told = message(Kept::read(&path).map(drop));
         assert!(told.contains(":3: not a run"), "{told}");
+    }
+    #[test]
+    fn what_is_known_of_a_reference_is_looked_at_before_there_is_one() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("runs.jsonl");
+        let with = |reference: Value| json!({ "kind": KIND, "seed": 1, "reference": reference });
+        let settings = |depth: &str| vec![("render.max_depth".to_owned(), depth.to_owned())];
+        let mut rendered = Reference::planned(&settings("8"), 255);
+        rendered["pixels"] = "0123".into();
+        Log::begin(&path, &with(rendered)).expect("new");
+        let planned = |depth: &str, spp| Log::check(&path, &with(Reference::planned(&settings(depth), spp)));
+        planned("8", 256).expect("the same, rounded as rendering does");
+        Log::check(&path, &with(Value::Null)).expect("a file, which is read first");
+        for (other, told) in
+            [(planned("8", 512), "`reference.spp` is 256"), (planned("9", 256), "\"8\" there")]
+        {
+            let text = other.expect_err("another reference").to_string();
+            assert!(text.contains(told), "{text}");
+        }
     }
 }

@@ -3,7 +3,8 @@
 //! A knob is a key of the scene file by its dotted path, as `-D` takes it, with values that are worth comparing. It is left out of a sweep
 //! where the scene has nothing that it turns, with the reason told; whoever names it gets it all the same.
 
-use crate::scene::description::{FuzzyBy, Integrator};
+use super::presets::Kind;
+use crate::scene::description::FuzzyBy;
 use crate::scene::needs::ChosenLights;
 use crate::scene::needs::capability::Capability;
 use crate::scene::{Needs, Scene};
@@ -54,12 +55,8 @@ impl Facts<'_> {
         self.needs.count(capability) > 0
     }
 
-    fn follows_trees(&self) -> bool {
-        matches!(self.scene.render.integrator, Integrator::Whitted | Integrator::Distribution)
-    }
-
-    fn follows_paths(&self) -> bool {
-        self.scene.render.integrator == Integrator::Path
+    fn follows(&self, kind: Kind) -> bool {
+        Kind::of(self.scene.render.integrator) == Some(kind)
     }
 
     fn splits(&self) -> bool {
@@ -68,7 +65,7 @@ impl Facts<'_> {
 }
 
 impl Knob {
-    /// Those of the list, and each value of a wide one.
+    /// The list.
     pub const ALL: &'static [Self] = LIST;
 
     /// The knob of that name.
@@ -116,11 +113,11 @@ const fn all(_: &Facts<'_>, _: &str) -> bool {
 }
 
 fn of_trees(facts: &Facts<'_>) -> Option<&'static str> {
-    (!facts.follows_trees()).then_some("a knob of ray trees")
+    (!facts.follows(Kind::Tree)).then_some("a knob of ray trees")
 }
 
 fn of_paths(facts: &Facts<'_>) -> Option<&'static str> {
-    (!facts.follows_paths()).then_some("a knob of the integrator `path`")
+    (!facts.follows(Kind::Path)).then_some("a knob of the integrator `path`")
 }
 
 fn of_embree(facts: &Facts<'_>) -> Option<&'static str> {
@@ -152,7 +149,7 @@ const LIST: &[Knob] = &[
     },
     Knob {
         idle: |facts| (!facts.has(Capability::GlossyLobes)).then_some("no material with a lobe"),
-        fits: |facts, value| value != FuzzyBy::TwoPass.word() || facts.follows_trees(),
+        fits: |facts, value| value != FuzzyBy::TwoPass.word() || facts.follows(Kind::Tree),
         ..knob("glossy", "render.glossy", &["lobe", "jitter", "two-pass"], Truth::Word("lobe"))
     },
     Knob {

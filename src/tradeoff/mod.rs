@@ -31,4 +31,5 @@ mod subject;
 pub use outcome::{Outcome, outcomes, outcomes_kept};
 pub use reference::{Origin, Reference};
 pub use report::Report;
-pub use subject::{Subject, is_built_alike, settings_of};
+pub use runs::compared;
+pub use subject::{Subject, settings_of};

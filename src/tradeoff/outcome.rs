@@ -2,7 +2,7 @@
 
 use super::kept::{Kept, Run};
 use super::knobs::Knob;
-use super::moments::Moments;
+use super::moments::{Moments, Product};
 use super::runs::Point;
 use super::student::Interval;
 
@@ -15,7 +15,7 @@ pub struct Outcome {
     pub runs: usize,
     /// Seconds of the processor that tracing takes.
     pub cpu_s: Interval,
-    /// Seconds of the processor that building the hierarchy takes.
+    /// Seconds of the processor that building the hierarchy takes; one may have served several runs.
     pub build_cpu_s: Interval,
     /// Error, squared bias and variance, in relMSE.
     pub moments: Moments,
@@ -60,19 +60,23 @@ fn outcome(point: &Point, runs: &[Run], floor: [f64; 2]) -> Option<Outcome> {
     }
     let own: Vec<f64> = runs.iter().map(|run| run.own.relmse).collect();
     let place = |number: u32| runs.iter().position(|run| run.number == number);
-    let pairs: Vec<(usize, usize, f64)> = runs
+    let pairs: Vec<(usize, usize, Product)> = runs
         .iter()
         .enumerate()
         .flat_map(|(b, run)| run.products.iter().map(move |&(number, product)| (number, b, product)))
         .filter_map(|(number, b, product)| Some((place(number)?, b, product)))
         .collect();
+    // Runs on one hierarchy share its time, which was measured once.
+    let mut builds: Vec<f64> = runs.iter().map(|run| run.build_cpu_s).collect();
+    builds.sort_by(f64::total_cmp);
+    builds.dedup_by_key(|seconds| seconds.to_bits());
     let mean =
         |of: &dyn Fn(&Run) -> f64| Interval::of_mean(&runs.iter().map(|run| of(run)).collect::<Vec<_>>());
     Some(Outcome {
         point: point.clone(),
         runs: runs.len(),
         cpu_s: mean(&|run| run.cpu_s),
-        build_cpu_s: mean(&|run| run.build_cpu_s),
+        build_cpu_s: Interval::of_mean(&builds),
         moments: Moments::of(&own, &pairs, floor),
         mse: mean(&|run| run.own.mse),
         flip: mean(&|run| run.flip),
@@ -88,7 +92,8 @@ impl Outcome {
         self.moments.error.value.max(0.0)
     }
 
-    /// How much error and time there is together, the less the better: what half the samples do for one they undo for the other.
+    /// One over error times time, the more the better: what more samples do for the error they undo by their time, where the error falls as
+    /// one over their number. `None` where there is no error.
     #[must_use]
     pub fn efficiency(&self) -> Option<f64> {
         let product = self.error() * self.cpu_s.value;

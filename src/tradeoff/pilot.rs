@@ -5,7 +5,7 @@
 //! that bright specks do not hide themselves. Light that no sample has found is not in it.
 
 use super::curve::Curve;
-use super::design::SAMPLES;
+use super::student::Interval;
 use crate::error::Result;
 use crate::image::Window;
 use crate::measure::RELATIVE_FLOOR;
@@ -97,10 +97,11 @@ impl Pilot {
             [.., [n, early], [m, late]] if early > 0.0 && late > 0.0 => (late / early).ln() / (m / n).ln(),
             _ => slope,
         };
-        // Two looks at few pixels tell the power about as well as other scenes do.
+        // Half of what two looks at few pixels tell, half of what other scenes do: a choice.
         let slope = (own + slope) / 2.0;
         let ahead = 64.0 * spp;
         let noise = vec![[spp, variance], [ahead, variance * (ahead / spp).powf(slope)]];
+        let bias2 = Interval { value: bias2, half: Some(0.0) };
         Some(Curve::measured(String::new(), Vec::new(), (bias2, 0.0, self.pace_s), noise))
     }
 }
@@ -164,12 +165,6 @@ fn squares([width, height]: [u32; 2]) -> Vec<Window> {
 fn columns([width, height]: [u32; 2]) -> u32 {
     let columns = (f64::from(SQUARES) * f64::from(width) / f64::from(height)).sqrt().round();
     (columns as u32).clamp(1, SQUARES)
-}
-
-/// Whether a setting is one of samples, which a pilot finds itself.
-#[must_use]
-pub fn is_of_samples(key: &str) -> bool {
-    key.strip_prefix("render.") == Some(SAMPLES)
 }
 
 #[cfg(test)]

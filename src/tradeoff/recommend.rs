@@ -10,8 +10,8 @@ pub struct Recommendation {
     pub target: f64,
     /// What to do; `None` where no settings reach it.
     pub best: Option<Best>,
-    /// The least bias, squared, that any settings have: what a target must be above of.
-    pub least_bias2: f64,
+    /// The least bias, squared, that any settings have: what a target must be above of. `None` where no settings have pictures enough to tell.
+    pub least_bias2: Option<f64>,
 }
 
 /// Settings, and what they are expected to take and to bring.
@@ -35,7 +35,7 @@ pub struct Best {
 #[must_use]
 pub fn recommend(outcomes: &[Outcome], targets: &[f64]) -> Vec<Recommendation> {
     let curves = Curve::all(outcomes);
-    let least_bias2 = curves.iter().map(|curve| curve.bias2).fold(f64::INFINITY, f64::min);
+    let least_bias2 = curves.iter().map(|curve| curve.bias2).min_by(f64::total_cmp);
     let of = |&target: &f64| {
         let reached = curves.iter().filter_map(|curve| best(curve, target, outcomes));
         let best = reached.min_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
@@ -45,7 +45,7 @@ pub fn recommend(outcomes: &[Outcome], targets: &[f64]) -> Vec<Recommendation> {
 }
 
 /// The samples that a picture may have.
-const MOST: f64 = 16_777_216.0;
+pub const MOST: u32 = 1 << 24;
 
 #[expect(
     clippy::cast_possible_truncation,
@@ -54,7 +54,7 @@ const MOST: f64 = 16_777_216.0;
 )]
 fn best(curve: &Curve, target: f64, outcomes: &[Outcome]) -> Option<Best> {
     let spp = curve.samples_for(target)?.ceil().max(1.0);
-    if spp > MOST {
+    if spp > f64::from(MOST) {
         return None;
     }
     let measured =
@@ -90,6 +90,9 @@ mod tests {
         assert!((best(0).cpu_s - 1.2).abs() < 1e-9 && best(0).error <= 1e-2, "{found:?}");
         assert_eq!((best(1).name.as_str(), best(1).spp, best(1).is_far), ("", 100, false), "{found:?}");
         assert_eq!(found[2].best, None, "beyond the most samples");
-        assert!(found[2].least_bias2.abs() < 1e-12, "no bias");
+        assert!(found[2].least_bias2.is_some_and(|least| least.abs() < 1e-12), "no bias");
+        let mut alone = outcome("", 10, [2.0, 0.0, 1e-2]);
+        (alone.moments.bias2, alone.moments.variance) = (None, None);
+        assert_eq!(recommend(&[alone], &[1e-2])[0].least_bias2, None, "nothing is known");
     }
 }

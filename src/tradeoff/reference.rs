@@ -3,16 +3,17 @@
 use super::design::Axis;
 use super::knobs::Knob;
 use super::moments::Measure;
-use super::runs::Bench;
+use super::runs::{Bench, Easel};
 use super::subject::Subject;
 use crate::error::{Place, Problem, Result};
 use crate::image::exr::{self, Channel, Picture, Samples};
-use crate::image::{self, Image, Range, Window};
+use crate::image::{self, Decoded, Image, Range, Window};
 use crate::math::Rgb;
+use crate::scene::digits;
 use crate::trust::{Limits, Trust};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
-use xxhash_rust::xxh3::{Xxh3, xxh3_128};
+use xxhash_rust::xxh3::Xxh3;
 
 /// A picture as near to the truth as it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,13 +56,24 @@ impl Reference {
     pub fn read(path: &Path, size: [u32; 2], limits: Limits) -> Result<Self> {
         let trust = Trust { limits, sandbox: None };
         let is_exr = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
-        let (decoded, variances) = if is_exr {
-            let picture = exr::read_within(path, &trust)?;
-            let variances = variances(&picture);
-            (picture.into_stored(path)?, variances)
-        } else {
-            (image::read_as_stored(path, &trust)?, None)
-        };
+        if is_exr {
+            return Self::of_picture(exr::read_within(path, &trust)?, path, size);
+        }
+        Self::of_file((image::read_as_stored(path, &trust)?, None), path, size)
+    }
+
+    /// The one in an EXR file that was read.
+    fn of_picture(picture: Picture, path: &Path, size: [u32; 2]) -> Result<Self> {
+        let variances = variances(&picture);
+        Self::of_file((picture.into_stored(path)?, variances), path, size)
+    }
+
+    /// What a file has, checked.
+    fn of_file(
+        (decoded, variances): (Decoded, Option<Vec<[f32; 3]>>),
+        path: &Path,
+        size: [u32; 2],
+    ) -> Result<Self> {
         let refused =
             |what: String, remedy: &str| Err(Problem::at(Place::file(path), what).remedy(remedy).into());
         if decoded.range != Range::Scene {
@@ -101,7 +113,13 @@ impl Reference {
     /// Samples that rendering one of `spp` takes.
     #[must_use]
     pub fn samples(spp: u32, pixels: u64) -> u64 {
-        u64::from(spp.div_ceil(PICTURES) * PICTURES) * pixels
+        u64::from(rounded(spp)) * pixels
+    }
+
+    /// What [`Reference::about`] will tell of one that is rendered so, as far as that is known before.
+    #[must_use]
+    pub fn planned(settings: &[(String, String)], spp: u32) -> Value {
+        json!({ "settings": settings, "spp": rounded(spp) })
     }
 
     /// Renders one of at least `spp` samples per pixel.
@@ -113,15 +131,15 @@ impl Reference {
         spp: u32,
         bench: &Bench<'_>,
     ) -> Result<Self> {
-        let each = spp.div_ceil(PICTURES);
+        let each = rounded(spp) / PICTURES;
         settings.push(("render.spp".to_owned(), each.to_string()));
         let description = subject.described(&settings)?;
         settings.pop();
         let first = subject.base().render.seed.wrapping_add(SEEDS);
-        let mut pictures = Vec::new();
+        let (mut easel, mut pictures) = (Easel::new(bench)?, Vec::new());
         for number in 0..PICTURES {
             let scene = subject.scene(&description, first.wrapping_add(u64::from(number)))?;
-            pictures.push(bench.render(scene)?.film.image());
+            pictures.push(easel.render(scene)?.film.image());
         }
         let (image, variances) = mean(&pictures);
         let origin = Origin::Rendered { settings, spp: each * PICTURES };
@@ -131,8 +149,14 @@ impl Reference {
     /// What noise of its own it has in relMSE, and how uncertain that is ([`Measure::floor`]); zero where it is not known.
     #[must_use]
     pub fn floor(&self) -> [f64; 2] {
-        let measure = Measure::new(&self.image);
-        self.variances.as_ref().map_or([0.0; 2], |variances| measure.floor(variances, self.pictures))
+        self.measure().floor()
+    }
+
+    /// What pictures are measured with.
+    #[must_use]
+    pub fn measure(&self) -> Measure {
+        let noise = self.variances.as_ref().map(|variances| (&variances[..], self.pictures));
+        Measure::new(&self.image, noise)
     }
 
     /// What tells it from others: where it is from, and its numbers.
@@ -144,7 +168,7 @@ impl Reference {
         }
         let mut about = match &self.origin {
             Origin::File(_) => json!({ "settings": null, "spp": null }),
-            Origin::Rendered { settings, spp } => json!({ "settings": settings, "spp": spp }),
+            Origin::Rendered { settings, spp } => Self::planned(settings, *spp),
         };
         about["pixels"] = format!("{:032x}", hasher.digest128()).into();
         about["noise"] = json!(self.floor());
@@ -183,17 +207,17 @@ impl Reference {
         let word = |json: &Value| json.as_str().unwrap_or_default().to_owned();
         let settings = settings.map(|it| (word(&it[0]), word(&it[1]))).collect();
         let spp = about["spp"].as_u64().and_then(|spp| u32::try_from(spp).ok()).unwrap_or(0);
-        let origin = Origin::Rendered { settings, spp: spp.div_ceil(PICTURES) * PICTURES };
-        Ok(Some(Self { pictures: PICTURES, origin, ..Self::read(path, size, limits)? }))
+        let origin = Origin::Rendered { settings, spp: rounded(spp) };
+        Ok(Some(Self { pictures: PICTURES, origin, ..Self::of_picture(picture, path, size)? }))
     }
 }
 
 /// What a kept reference is of.
 const ABOUT: &str = "specula:reference_of";
 
-/// What tells one thing from others.
-fn digits(about: &Value) -> String {
-    format!("{:032x}", xxh3_128(about.to_string().as_bytes()))
+/// As many samples in each picture.
+const fn rounded(spp: u32) -> u32 {
+    spp.div_ceil(PICTURES) * PICTURES
 }
 
 const VARIANCES: [&str; 3] = ["variance.R", "variance.G", "variance.B"];

@@ -2,7 +2,7 @@
 
 use super::design::{Axis, Choice, Design};
 use super::kept::Run;
-use super::moments::Measure;
+use super::moments::{Measure, Own};
 use super::reference::Reference;
 use super::subject::{Subject, settings_of};
 use crate::error::{Problem, Result};
@@ -10,10 +10,9 @@ use crate::image::Image;
 use crate::math::lanes::Level;
 use crate::measure::flip::{Viewing, Watch};
 use crate::measure::{Comparison, Pair};
-use crate::render::{self, Progress, Rendered, Settings};
-use crate::scene::{Description, Scene};
+use crate::render::{self, Kept, Phase, Progress, Rendered, Settings, Studio};
+use crate::scene::{self, Description, Scene};
 use std::num::NonZeroUsize;
-use xxhash_rust::xxh3::xxh3_128;
 
 /// A point of a sweep.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -67,7 +66,7 @@ impl Sweep {
             let set = set(axes, choice);
             let settings: Vec<_> = set.iter().map(|[_, key, value]| (key.clone(), value.clone())).collect();
             let description = subject.described(&settings)?;
-            let key = digits(&description);
+            let key = scene::digits(&settings_of(&description));
             if seen.insert(key.clone()) {
                 sweep.points.push(Point { key, set, spp: description.render.spp() });
                 sweep.descriptions.push(description);
@@ -82,23 +81,47 @@ impl Sweep {
         &self.points
     }
 
-    /// Samples of all runs but those that are there.
+    /// Samples of all runs but those that are there, and of those that are rendered again.
     #[must_use]
     pub fn samples(&self, pixels: u64, there: &[Run]) -> u64 {
-        let missing = self.points.iter().flat_map(|point| (0..self.runs).map(move |number| (point, number)));
-        let missing = missing.filter(|(point, number)| !has(there, point, *number));
-        missing.map(|(point, _)| pixels * u64::from(point.spp)).sum()
+        let pictures = |point: &Point| {
+            self.missing(there, point).count() + usize::from(self.lacks_partner(there, point).is_some())
+        };
+        self.points.iter().map(|point| pixels * u64::from(point.spp) * pictures(point) as u64).sum()
     }
 
-    /// The first picture of a point again.
+    /// The runs of a point that are to be rendered.
+    fn missing(&self, there: &[Run], point: &Point) -> impl Iterator<Item = u32> {
+        (0..self.runs).filter(move |&number| !has(there, point, number))
+    }
+
+    /// A run that is there and whose picture is needed again: the one run that is missing would have none to be compared with, and no two of those that
+    /// are there have been compared.
+    fn lacks_partner<'a>(&self, there: &'a [Run], point: &Point) -> Option<&'a Run> {
+        let mut own = there.iter().filter(|run| run.point == point.key);
+        let is_paired = |run: &Run| run.products.iter().any(|&(number, _)| has(there, point, number));
+        let is_alone = self.missing(there, point).count() == 1 && !own.clone().any(is_paired);
+        own.next().filter(|_| is_alone)
+    }
+
+    /// The first pictures of points again.
     ///
     /// Fails as rendering does.
-    pub fn picture(&self, subject: &mut Subject, point: &Point, bench: &Bench<'_>) -> Result<Image> {
-        let Some(at) = self.points.iter().position(|it| it.key == point.key) else {
-            return Err(Problem::new("there is no such point").into());
-        };
+    pub fn pictures(
+        &self,
+        subject: &mut Subject,
+        points: &[&Point],
+        bench: &Bench<'_>,
+    ) -> Result<Vec<Image>> {
+        let mut easel = Easel::new(bench)?;
         let seed = subject.base().render.seed;
-        Ok(bench.render(subject.scene(&self.descriptions[at], seed)?)?.film.image())
+        let mut picture = |point: &&Point| -> Result<Image> {
+            let Some(at) = self.points.iter().position(|it| it.key == point.key) else {
+                return Err(Problem::new("there is no such point").into());
+            };
+            Ok(easel.render(subject.scene(&self.descriptions[at], seed)?)?.film.image())
+        };
+        points.iter().map(&mut picture).collect()
     }
 
     /// Renders what is missing; `keep` is handed each run as soon as it is done.
@@ -111,16 +134,23 @@ impl Sweep {
         (there, bench): (&[Run], &Bench<'_>),
         keep: &mut dyn FnMut(&Run) -> Result<()>,
     ) -> Result<()> {
-        let measure = Measure::new(&against.image);
-        let missing = |&at: &usize| (0..self.runs).any(|number| !has(there, &self.points[at], number));
-        let points: Vec<usize> = (0..self.points.len()).filter(missing).collect();
+        let measure = against.measure();
+        let is_missing = |&at: &usize| self.missing(there, &self.points[at]).next().is_some();
+        let points: Vec<usize> = (0..self.points.len()).filter(is_missing).collect();
+        let mut easel = Easel::new(bench)?;
         if let Some(&first) = points.first() {
             // What a program does for the first time takes longer: pages are mapped, code is read.
             let seed = subject.base().render.seed;
-            bench.warm(subject.scene(&self.descriptions[first], seed)?)?;
+            easel.warm(subject.scene(&self.descriptions[first], seed)?)?;
         }
         for block in points.chunks(self.block(&against.image)) {
             let mut pictures: Vec<Vec<(u32, Image)>> = vec![Vec::new(); block.len()];
+            for (&at, own) in block.iter().zip(&mut pictures) {
+                if let Some(run) = self.lacks_partner(there, &self.points[at]) {
+                    let scene = subject.scene(&self.descriptions[at], run.seed)?;
+                    own.push((run.number, easel.render(scene)?.film.image()));
+                }
+            }
             for number in 0..self.runs {
                 for turn in 0..block.len() {
                     // There and back again, so that none always runs after the same one.
@@ -130,7 +160,7 @@ impl Sweep {
                         continue;
                     }
                     let seed = subject.base().render.seed.wrapping_add(u64::from(number));
-                    let rendered = bench.render(subject.scene(&self.descriptions[at], seed)?)?;
+                    let rendered = easel.render(subject.scene(&self.descriptions[at], seed)?)?;
                     let (run, picture) =
                         self.measured((at, number, seed), &rendered, (&measure, against), &pictures[turn])?;
                     pictures[turn].push((number, picture));
@@ -155,10 +185,10 @@ impl Sweep {
         others: &[(u32, Image)],
     ) -> Result<(Run, Image)> {
         let picture = rendered.film.image();
-        let pair = Pair::new(picture.clone().into(), against.image.clone().into(), ["picture", "reference"])?;
-        let watch =
-            Watch { level: Level::from_env().unwrap_or_else(|_| Level::best()), progress: &render::Silent };
-        let flip = Comparison::of(&pair, Viewing::default(), watch)?.flip.unwrap_or(0.0);
+        let comparison = compared(&picture, &against.image)?;
+        let (Some(errors), Some(flip)) = (comparison.errors, comparison.flip) else {
+            return Err(Problem::new("no pixel is finite in picture and reference").into());
+        };
         let point = &self.points[at];
         let statistics = &rendered.statistics;
         #[expect(clippy::cast_precision_loss, reason = "a count to be averaged")]
@@ -172,7 +202,7 @@ impl Sweep {
             cpu_s: statistics.render.cpu.as_secs_f64(),
             build_cpu_s: statistics.build.cpu.as_secs_f64(),
             wall_s: statistics.render.wall.as_secs_f64(),
-            own: measure.own(&picture),
+            own: Own::of(&errors, measure.mean()),
             flip,
             rays,
             products: others
@@ -197,9 +227,13 @@ fn set(axes: &[Axis], choice: &Choice) -> Vec<[String; 3]> {
     chosen.map(|(axis, value)| [axis.knob.clone(), axis.key.clone(), axis.values[value].clone()]).collect()
 }
 
-/// What tells settings from others.
-fn digits(description: &Description) -> String {
-    format!("{:032x}", xxh3_128(settings_of(description).to_string().as_bytes()))
+/// A picture against the reference.
+///
+/// Fails if it is of another size.
+pub fn compared(picture: &Image, reference: &Image) -> Result<Comparison> {
+    let pair = Pair::new(picture.clone().into(), reference.clone().into(), ["picture", "reference"])?;
+    let level = Level::from_env().unwrap_or_else(|_| Level::best());
+    Comparison::of(&pair, Viewing::default(), Watch { level, progress: &render::Silent })
 }
 
 /// How pictures are rendered, and who watches.
@@ -217,22 +251,44 @@ impl std::fmt::Debug for Bench<'_> {
     }
 }
 
-impl Bench<'_> {
-    /// A picture of all samples.
-    pub(super) fn render(&self, scene: &Scene) -> Result<Rendered> {
-        let settings = Settings { threads: self.threads, ..Settings::default() };
-        let rendered = render::render(scene, &settings, self.progress);
+/// Where pictures are rendered in turn: on the same threads, and on the hierarchy of the last one while that would be built again.
+#[derive(Debug)]
+pub(super) struct Easel<'a> {
+    progress: &'a Tally<'a>,
+    studio: Studio,
+    /// How long building the hierarchy took.
+    build: Phase,
+}
+
+impl<'a> Easel<'a> {
+    /// Fails if there are no threads to be had.
+    pub(super) fn new(bench: &Bench<'a>) -> Result<Self> {
+        let studio = Studio::new(bench.threads)?;
+        Ok(Self { progress: bench.progress, studio, build: Phase::default() })
+    }
+
+    /// A picture of all samples; its statistics have the time of the hierarchy that it was rendered on, whenever that was built.
+    pub(super) fn render(&mut self, scene: &Scene) -> Result<Rendered> {
+        let rendered = self.studio.render(scene, &Settings::default(), self.progress, Kept::default());
         self.progress.ended(
             u64::from(scene.render.spp()) * u64::from(scene.film.width) * u64::from(scene.film.height),
         );
-        rendered
+        let mut rendered = rendered?;
+        if rendered.statistics.build != Phase::default() {
+            self.build = rendered.statistics.build;
+        }
+        rendered.statistics.build = self.build;
+        Ok(rendered)
     }
 
     /// A picture of one sample that nobody looks at.
-    fn warm(&self, scene: &Scene) -> Result<()> {
+    fn warm(&mut self, scene: &Scene) -> Result<()> {
         let slice = render::Slice { index: 0, of: scene.render.spp() };
-        let settings = Settings { threads: self.threads, slice: Some(slice), ..Settings::default() };
-        render::render(scene, &settings, &render::Silent).map(drop)
+        let settings = Settings { slice: Some(slice), ..Settings::default() };
+        self.studio.render(scene, &settings, &render::Silent, Kept::default())?;
+        // Its hierarchy was built for the first time, too.
+        self.studio.clear();
+        Ok(())
     }
 }
 
@@ -269,5 +325,81 @@ impl Progress for Tally<'_> {
 
     fn is_cancelled(&self) -> bool {
         self.to.is_cancelled()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::error::Error;
+    use crate::render::Silent;
+    use crate::tradeoff::knobs::Knob;
+    use crate::tradeoff::outcomes;
+    use crate::trust::Trust;
+
+    const SCENE: &str = "[film]\nwidth = 8\nheight = 4\n[render]\nintegrator = 'path'\nsampler = 'independent'\n[materials.m]\n\
+        type = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\n\
+        radiance = 1.0\n";
+
+    fn subject(folder: &tempfile::TempDir) -> Subject {
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, SCENE).expect("written");
+        Subject::read(&path, &[], &Trust::default()).expect("a scene").0
+    }
+
+    /// Renders what is missing; stops after so many runs.
+    fn swept(subject: &mut Subject, axes: &[Axis], there: &[Run], most: usize) -> (Sweep, Vec<Run>) {
+        let sweep = Sweep::new(subject, axes, Design::OneAtATime, 2).expect("points");
+        let tally = Tally::new(&Silent, 0);
+        let bench = Bench { threads: NonZeroUsize::new(1), progress: &tally };
+        let reference = Reference::render(subject, Vec::new(), 64, &bench).expect("a picture");
+        let mut runs = there.to_vec();
+        let mut keep = |run: &Run| {
+            if runs.len() == most {
+                return Err(Error::Interrupted);
+            }
+            runs.push(run.clone());
+            Ok(())
+        };
+        let done = sweep.run(subject, &reference, (there, &bench), &mut keep);
+        assert_eq!(done.is_ok(), runs.len() == 2 * sweep.points().len(), "{done:?}");
+        (sweep, runs)
+    }
+
+    #[test]
+    fn a_point_whose_one_run_was_kept_still_has_a_pair() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut subject = subject(&folder);
+        let axes = [subject.axis(Knob::of("spp").expect("a knob"), &["1".to_owned(), "4".to_owned()])];
+        let (sweep, whole) = swept(&mut subject, &axes, &[], usize::MAX);
+        // In the second pass: one point has both of its runs, the other one.
+        let (_, begun) = swept(&mut subject, &axes, &[], 3);
+        assert_eq!(sweep.samples(32, &begun), 2 * 32, "one run, and its partner once more");
+        let (_, resumed) = swept(&mut subject, &axes, &begun, usize::MAX);
+        let variances = |runs: &[Run]| {
+            let found = outcomes(sweep.points(), runs, [0.0; 2]);
+            found.iter().map(|it| it.moments.variance.expect("a pair").value.to_bits()).collect::<Vec<_>>()
+        };
+        assert_eq!(variances(&resumed), variances(&whole), "as if it had not been stopped");
+    }
+
+    #[test]
+    fn runs_share_a_hierarchy_and_know_its_time() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut subject = subject(&folder);
+        let values = ["embree", "bvh2"].map(str::to_owned);
+        let axes = [subject.axis(Knob::of("backend").expect("a knob"), &values)];
+        let (sweep, runs) = swept(&mut subject, &axes, &[], usize::MAX);
+        // There and back again: the last one of a pass is the first of the next.
+        let of = |at: usize| {
+            let own = runs.iter().filter(|run| run.point == sweep.points()[at].key);
+            own.map(|run| run.build_cpu_s).collect::<Vec<_>>()
+        };
+        let (embree, bvh2) = (of(0), of(1));
+        assert!(embree.iter().chain(&bvh2).all(|&seconds| seconds > 0.0), "{embree:?}, {bvh2:?}");
+        assert_eq!(bvh2[0].to_bits(), bvh2[1].to_bits(), "one hierarchy");
+        let found = outcomes(sweep.points(), &runs, [0.0; 2]);
+        assert!(found[0].build_cpu_s.half.is_some(), "built twice: {:?}", found[0].build_cpu_s);
+        assert_eq!(found[1].build_cpu_s.half, None, "measured once");
     }
 }

@@ -1,7 +1,7 @@
 //! A scene that is rendered under other settings.
 
 use crate::error::{Place, Problem, Result};
-use crate::scene::description::{Description, FuzzyBy};
+use crate::scene::description::Description;
 use crate::scene::{self, Built, Loaded, Needs, Scene, Wanted};
 use crate::tradeoff::design::Axis;
 use crate::tradeoff::knobs::{Facts, Knob};
@@ -87,12 +87,7 @@ impl Subject {
     /// What the file says of a knob's key, as a file would say it; `None` where it is left to the renderer.
     #[must_use]
     pub fn said(&self, key: &str) -> Option<String> {
-        let json = self.base.to_json();
-        match key.split('.').try_fold(&json, |json, part| json.get(part))? {
-            Value::Null => None,
-            Value::String(word) => Some(word.clone()),
-            other => Some(other.to_string()),
-        }
+        said(&self.base.to_json(), key)
     }
 
     /// The axes of a sweep over some knobs: each with its own values, or the usual ones.
@@ -115,10 +110,7 @@ impl Subject {
     ///
     /// Fails if its files cannot be read any more.
     pub fn scene(&mut self, wanted: &Description, seed: u64) -> Result<&Scene> {
-        if is_built_alike(&self.built, wanted) {
-            self.scene.render = wanted.render.clone();
-            self.scene.film = wanted.film.clone();
-        } else {
+        if !scene::retune(&mut self.scene, &self.built, wanted) {
             let from = (&self.trust, &Arc::default());
             self.scene = scene::build_from(wanted, &Wanted::default(), from)?.scene;
         }
@@ -139,33 +131,13 @@ impl Subject {
     }
 }
 
-/// Whether a scene built of one description is that of another one but for `render` and `film`: nothing else differs, and none of the
-/// few settings that building looks at. Whatever is not known here not to matter counts.
-#[must_use]
-pub fn is_built_alike(built: &Description, wanted: &Description) -> bool {
-    let mut like = built.clone();
-    let (to, from) = (&mut like.render, &wanted.render);
-    to.spp = from.spp;
-    to.max_depth = from.max_depth;
-    to.min_throughput = from.min_throughput;
-    to.roulette = from.roulette;
-    to.clamp_indirect = from.clamp_indirect;
-    to.light_choice = from.light_choice;
-    to.light_samples = from.light_samples;
-    to.glossy_samples = from.glossy_samples;
-    to.split_depth = from.split_depth;
-    to.path_splits = from.path_splits;
-    to.query = from.query;
-    to.backend = from.backend;
-    to.build_quality = from.build_quality;
-    to.sampler = from.sampler;
-    to.seed = from.seed;
-    if to.glossy != FuzzyBy::Jitter && from.glossy != FuzzyBy::Jitter {
-        to.glossy = from.glossy;
+/// What a description in JSON says of a key, as a file would say it; `None` where it is left to the renderer.
+pub(super) fn said(json: &Value, key: &str) -> Option<String> {
+    match key.split('.').try_fold(json, |json, part| json.get(part))? {
+        Value::Null => None,
+        Value::String(word) => Some(word.clone()),
+        other => Some(other.to_string()),
     }
-    like.film.filter = wanted.film.filter;
-    like.film.filter_radius = wanted.film.filter_radius;
-    like == *wanted
 }
 
 /// What of a description may differ between points, in JSON: `render` and `film`, the seed left out. Points are the same if this is.
@@ -210,9 +182,10 @@ mod tests {
         assert_eq!((scene.render.max_depth, scene.render.seed, scene.render.spp()), (3, 7, 3), "set");
         assert_eq!(Arc::as_ptr(&scene.world), world, "not built again");
         let plain = subject.described(&set("render.fresnel", "constant")).expect("valid");
-        assert!(!is_built_alike(&deep, &plain), "materials are others");
         let said = subject.base.render.max_depth;
+        let world = subject.scene.world.clone();
         let scene = subject.scene(&plain, 0).expect("a scene");
+        assert!(!Arc::ptr_eq(&scene.world, &world), "built anew: materials are others");
         assert_eq!(scene.render.max_depth, said, "as the file says");
     }
 

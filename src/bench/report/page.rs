@@ -10,7 +10,7 @@ use crate::bench::race::Spread;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 /// How pages look.
-pub(crate) const STYLE: &str = "body{font:15px/1.45 sans-serif;margin:2em auto;max-width:75em;padding:0 1em;color:#222;background:#fff}\
+const STYLE: &str = "body{font:15px/1.45 sans-serif;margin:2em auto;max-width:75em;padding:0 1em;color:#222;background:#fff}\
     h1,h2,h3{line-height:1.2}table{border-collapse:collapse;margin:.6em 0;font-size:13px}\
     td,th{padding:.15em .7em;text-align:right;border-bottom:1px solid #ddd;white-space:nowrap}\
     td:first-child,th:first-child{text-align:left}.wide{overflow-x:auto}svg{max-width:100%;height:auto}\
@@ -21,25 +21,15 @@ impl Report {
     /// The page.
     #[must_use]
     pub fn page(&self) -> String {
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width";
-                    title { "BVH backends: " (self.outcomes.iter().map(|it| it.scene.as_str()).collect::<Vec<_>>().join(", ")) }
-                    style { (PreEscaped(STYLE)) }
-                }
-                body {
-                    h1 { "BVH backends beside each other" }
-                    @for note in NOTES { p { (note) } }
-                    h2 { "Machine, build and settings" }
-                    (pairs(&self.facts()))
-                    @for outcome in &self.outcomes { (scene(outcome)) }
-                }
-            }
+        let scenes: Vec<&str> = self.outcomes.iter().map(|it| it.scene.as_str()).collect();
+        let body = html! {
+            h1 { "BVH backends beside each other" }
+            @for note in NOTES { p { (note) } }
+            h2 { "Machine, build and settings" }
+            (pairs(&self.facts()))
+            @for outcome in &self.outcomes { (scene(outcome)) }
         };
-        page.into_string()
+        page(&format!("BVH backends: {}", scenes.join(", ")), "", &body)
     }
 
     /// Everything that figures depend on.
@@ -56,6 +46,23 @@ impl Report {
         ]);
         facts
     }
+}
+
+/// A page that needs nothing else, with more style than that of all pages.
+pub(crate) fn page(title: &str, more_style: &str, body: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width";
+                title { (title) }
+                style { (PreEscaped(STYLE)) (PreEscaped(more_style)) }
+            }
+            body { (body) }
+        }
+    };
+    page.into_string()
 }
 
 /// What is known of a machine and a build, and the load after figures were taken.
@@ -206,7 +213,8 @@ fn race(outcome: &Outcome, mode: Mode, field: usize) -> Markup {
     figure(&title, &plot::bars("Mrays per CPU s", &bars))
 }
 
-fn figure(title: &str, svg: &str) -> Markup {
+/// A plot with its title.
+pub(crate) fn figure(title: &str, svg: &str) -> Markup {
     html! { figure { figcaption { (title) } (PreEscaped(svg)) } }
 }
 

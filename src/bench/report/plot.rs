@@ -22,15 +22,23 @@ pub(super) struct Point {
 }
 
 /// Told apart by those who see few colours, too (Okabe and Ito 2008, Color Universal Design).
-const COLOURS: [RGBColor; 4] =
-    [RGBColor(0, 114, 178), RGBColor(230, 159, 0), RGBColor(0, 158, 115), RGBColor(204, 121, 167)];
+const COLOURS: [RGBColor; 7] = [
+    RGBColor(0, 114, 178),
+    RGBColor(230, 159, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(213, 94, 0),
+    RGBColor(86, 180, 233),
+    RGBColor(60, 60, 60),
+];
 
 const WIDTH: u32 = 800;
 /// Of axes.
 pub(crate) const FONT: (&str, u32) = ("sans-serif", 13);
 
-fn colour(family: usize) -> RGBColor {
-    COLOURS[family % COLOURS.len()]
+/// The colour of that number; they begin again where there are more.
+pub(crate) fn colour(number: usize) -> RGBColor {
+    COLOURS[number % COLOURS.len()]
 }
 
 /// A plot drawn by `fill`; a plot that cannot be drawn is a sentence that says so.

@@ -53,7 +53,7 @@ const MOST_RUNS: usize = 1000;
 const MOST_POINTS: usize = crate::tradeoff::design::MOST;
 
 /// The samples that a picture may have.
-const MOST_SAMPLES: usize = 1 << 24;
+const MOST_SAMPLES: usize = crate::tradeoff::recommend::MOST as usize;
 
 impl TradeoffOptions {
     /// What those words mean; all that is wrong with them at once.

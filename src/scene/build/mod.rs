@@ -23,7 +23,7 @@ mod surfaces;
 mod textures;
 mod way;
 
-pub use again::retake;
+pub use again::{retake, retune};
 
 use crate::bsdf::FresnelModel;
 use crate::error::{Place, Problem, Problems, Result};

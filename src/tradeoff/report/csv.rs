@@ -2,6 +2,7 @@
 
 use super::Report;
 use crate::tradeoff::Outcome;
+use crate::tradeoff::design::SAMPLES;
 use crate::tradeoff::student::Interval;
 use std::fmt::Write as _;
 
@@ -11,9 +12,9 @@ impl Report {
     #[must_use]
     pub fn csv(&self) -> String {
         let knobs: Vec<&str> =
-            self.axes.iter().map(|axis| axis.knob.as_str()).filter(|knob| *knob != "spp").collect();
+            self.axes.iter().map(|axis| axis.knob.as_str()).filter(|knob| *knob != SAMPLES).collect();
         let figures = ["cpu_s", "build_cpu_s", "relmse", "bias2", "variance", "mse", "flip", "brightness"];
-        let mut text = String::from("spp,runs");
+        let mut text = format!("{SAMPLES},runs");
         knobs.iter().for_each(|knob| _ = write!(text, ",{knob}"));
         figures.iter().for_each(|figure| _ = write!(text, ",{figure},{figure}_half"));
         text += ",rays,front\n";

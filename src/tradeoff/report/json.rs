@@ -83,7 +83,7 @@ fn recommendation(it: &Recommendation) -> Value {
             "relmse": best.error,
             "is_far": best.is_far,
         })),
-        "least_bias2": it.least_bias2.is_finite().then_some(it.least_bias2),
+        "least_bias2": it.least_bias2,
     })
 }
 

@@ -1,13 +1,14 @@
 //! Outcomes as one page that needs nothing else: recommendations, plots, pictures to be compared, every setting.
 
-use super::plot::{self, GRAY, Series};
+use super::plot::{self, Series};
 use super::{NOTES, Report, Shown, interval, number, pictures, table};
-use crate::bench::report::page::{STYLE, facts, pairs};
+use crate::bench::report::page::{facts, figure, page, pairs};
 use crate::tradeoff::Outcome;
 use crate::tradeoff::design::SAMPLES;
 use crate::tradeoff::front::front;
 use crate::tradeoff::student::Interval;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use crate::tradeoff::subject::said;
+use maud::{Markup, html};
 use serde_json::Value;
 
 /// What pages of this kind add: a picture under another one, of which a part is cut away from the left.
@@ -24,38 +25,28 @@ impl Report {
     /// The page.
     #[must_use]
     pub fn page(&self) -> String {
-        let page = html! {
-            (DOCTYPE)
-            html lang="en" {
-                head {
-                    meta charset="utf-8";
-                    meta name="viewport" content="width=device-width";
-                    title { "What accuracy costs: " (self.scene) }
-                    style { (PreEscaped(STYLE)) (PreEscaped(SLIDER)) }
-                }
-                body {
-                    h1 { "What accuracy costs: " (self.scene) }
-                    p { (self.size[0]) " x " (self.size[1]) ", " (self.outcomes.len()) " points, " (self.runs) " runs each; " (self.against()) "." }
-                    @if !self.recommendations.is_empty() {
-                        h2 { "What to take" }
-                        ul.advice { @for it in &self.recommendations { li { (table::sentence(it)) } } }
-                    }
-                    h2 { "What nothing beats" }
-                    (figure("", &self.front_plot()))
-                    h2 { "Error over time, knob by knob" }
-                    div.plots { @for axis in self.knobs() { (figure(&axis, &self.knob_plot(&axis))) } }
-                    @if !self.pictures.is_empty() { (self.gallery()) }
-                    h2 { "All points" }
-                    div.wide { (self.rows()) }
-                    @for note in NOTES { p { (note) } }
-                    h2 { "Scene and settings" }
-                    (pairs(&self.asked()))
-                    h2 { "Machine and build" }
-                    (pairs(&facts(&self.machine, self.load_after)))
-                }
+        let title = format!("What accuracy costs: {}", self.scene);
+        let body = html! {
+            h1 { (title) }
+            p { (self.size[0]) " x " (self.size[1]) ", " (self.outcomes.len()) " points, " (self.runs) " runs each; " (self.against()) "." }
+            @if !self.recommendations.is_empty() {
+                h2 { "What to take" }
+                ul.advice { @for it in &self.recommendations { li { (table::sentence(it)) } } }
             }
+            h2 { "What nothing beats" }
+            (figure("", &self.front_plot()))
+            h2 { "Error over time, knob by knob" }
+            div.plots { @for axis in self.knobs() { (figure(&axis, &self.knob_plot(&axis))) } }
+            @if !self.pictures.is_empty() { (self.gallery()) }
+            h2 { "All points" }
+            div.wide { (self.rows()) }
+            @for note in NOTES { p { (note) } }
+            h2 { "Scene and settings" }
+            (pairs(&self.asked()))
+            h2 { "Machine and build" }
+            (pairs(&facts(&self.machine, self.load_after)))
         };
-        page.into_string()
+        page(&title, SLIDER, &body)
     }
 
     /// Knobs that have a plot: all but samples, or samples where there is nothing else.
@@ -70,8 +61,8 @@ impl Report {
         let all = self.outcomes.iter().map(|it| (at(it).0, None)).collect();
         let best = self.front().into_iter().map(|i| at(&self.outcomes[i])).collect();
         let series = [
-            Series { name: "all points".to_owned(), points: all, is_joined: false, colour: GRAY },
-            Series { name: "the front".to_owned(), points: best, is_joined: true, colour: 0 },
+            Series { name: "all points".to_owned(), points: all, is_joined: false, colour: None },
+            Series { name: "the front".to_owned(), points: best, is_joined: true, colour: Some(0) },
         ];
         plot::over_time(["CPU s", "relMSE"], &series)
     }
@@ -81,7 +72,7 @@ impl Report {
     fn knob_plot(&self, knob: &str) -> String {
         let Some(axis) = self.axes.iter().find(|axis| axis.knob == knob) else { return String::new() };
         let values = axis.values.iter().map(|value| Some(value.as_str()));
-        let said = self.said(&axis.key);
+        let said = said(&self.settings, &axis.key).unwrap_or_else(|| "left to the renderer".to_owned());
         let mut series = Vec::new();
         for (colour, value) in values.chain([None]).enumerate() {
             let mut own = self.at(knob, value);
@@ -95,20 +86,10 @@ impl Report {
             let points = own.iter().map(|it| ([it.cpu_s.value, it.error()], it.moments.error.half)).collect();
             let name = value.map_or_else(|| format!("as the scene says: {said}"), str::to_owned);
             if !own.is_empty() {
-                series.push(Series { name, points, is_joined: true, colour });
+                series.push(Series { name, points, is_joined: true, colour: Some(colour) });
             }
         }
         plot::over_time(["CPU s", "relMSE"], &series)
-    }
-
-    /// What the scene says of a key.
-    fn said(&self, key: &str) -> String {
-        let value = key.split('.').try_fold(&self.settings, |json, part| json.get(part));
-        match value {
-            None | Some(Value::Null) => "left to the renderer".to_owned(),
-            Some(Value::String(word)) => word.clone(),
-            Some(other) => other.to_string(),
-        }
     }
 
     fn gallery(&self) -> Markup {
@@ -189,8 +170,4 @@ impl Report {
         }
         asked
     }
-}
-
-fn figure(title: &str, svg: &str) -> Markup {
-    html! { figure { figcaption { (title) } (PreEscaped(svg)) } }
 }

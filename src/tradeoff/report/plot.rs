@@ -1,6 +1,6 @@
 //! Plots of error over time, both axes logarithmic.
 
-use crate::bench::report::plot::{Drawn, FONT, drawn};
+use crate::bench::report::plot::{Drawn, FONT, colour, drawn};
 use plotters::prelude::*;
 
 /// Points of one kind.
@@ -10,28 +10,12 @@ pub(super) struct Series {
     /// Time, error, and half of the error's interval where it is known; joined in this order if they are to be.
     pub(super) points: Vec<([f64; 2], Option<f64>)>,
     pub(super) is_joined: bool,
-    /// Which colour.
-    pub(super) colour: usize,
+    /// Which colour; `None` of what stands behind.
+    pub(super) colour: Option<usize>,
 }
-
-/// Told apart by those who see few colours, too (Okabe and Ito 2008, Color Universal Design); gray for what stands behind.
-const COLOURS: [RGBColor; 8] = [
-    RGBColor(0, 114, 178),
-    RGBColor(230, 159, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(213, 94, 0),
-    RGBColor(86, 180, 233),
-    RGBColor(60, 60, 60),
-    RGBColor(170, 170, 170),
-];
 
 /// The colour of what stands behind.
-pub(super) const GRAY: usize = 7;
-
-fn colour(number: usize) -> RGBColor {
-    COLOURS[number % COLOURS.len()]
-}
+const GRAY: RGBColor = RGBColor(170, 170, 170);
 
 /// The least and the greatest of positive numbers, with some room; `None` of none.
 fn room(values: impl Iterator<Item = f64>) -> Option<std::ops::Range<f64>> {
@@ -92,7 +76,7 @@ fn tick(x: f64) -> String {
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<LogCoord<f64>, LogCoord<f64>>>;
 
 fn draw(chart: &mut Chart<'_, '_>, it: &Series, least: f64) -> Drawn {
-    let own = colour(it.colour);
+    let own = it.colour.map_or(GRAY, colour);
     let points: Vec<_> = it.points.iter().filter(|(at, _)| at.iter().all(|x| *x > 0.0)).collect();
     let bars = points.iter().filter_map(|&&([x, y], half)| {
         let ends = half.map(|half| [(y - half).max(least), y + half])?;
@@ -104,7 +88,7 @@ fn draw(chart: &mut Chart<'_, '_>, it: &Series, least: f64) -> Drawn {
         let line = PathElement::new(line, own.stroke_width(2));
         chart.draw_series(std::iter::once(line)).map_err(|e| e.to_string())?;
     }
-    let radius = if it.colour == GRAY { 2 } else { 4 };
+    let radius = if it.colour.is_none() { 2 } else { 4 };
     let dots = points.iter().map(|([x, y], _)| Circle::new((*x, *y), radius, own.filled()));
     let labelled = chart.draw_series(dots).map_err(|e| e.to_string())?;
     if !it.name.is_empty() {
@@ -129,7 +113,7 @@ mod tests {
             name: name.to_owned(),
             points,
             is_joined: true,
-            colour: 1,
+            colour: Some(1),
         };
         let points = vec![([1.0, 1e-2], Some(1e-3)), ([4.0, 2e-3], Some(1.0)), ([9.0, -1.0], None)];
         let svg = over_time(["CPU s", "relMSE"], &[series("first & only", points)]);
@@ -139,5 +123,18 @@ mod tests {
         );
         assert_eq!(svg.matches("<circle").count(), 2 + 1, "two points and a sign in the legend: {svg}");
         assert_eq!(over_time(["a", "b"], &[series("none", vec![([0.0, 1.0], None)])]), "", "nothing to draw");
+    }
+
+    #[test]
+    fn no_series_of_many_looks_as_if_it_stood_behind() {
+        let series = |colour| Series {
+            name: String::new(),
+            points: vec![([1.0, 1e-2], None)],
+            is_joined: true,
+            colour,
+        };
+        let is_gray = |colour| over_time(["CPU s", "relMSE"], &[series(colour)]).contains("#AAAAAA");
+        assert!((0..20).all(|number| !is_gray(Some(number))), "a value of a knob");
+        assert!(is_gray(None), "what stands behind");
     }
 }

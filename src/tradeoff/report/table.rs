@@ -84,15 +84,17 @@ pub(super) fn sentence(it: &Recommendation) -> String {
             "for relMSE {target}: {}, {} CPU s{}",
             settings(best),
             number(best.cpu_s),
-            if best.is_far { " (far beyond what was measured: a guess)" } else { "" }
+            if best.is_far { " (far from what was measured: a guess)" } else { "" }
         ),
-        None if it.least_bias2 >= it.target => {
-            format!(
-                "for relMSE {target}: nothing; the least bias^2 of all settings is {}",
-                number(it.least_bias2)
-            )
-        }
-        None => format!("for relMSE {target}: nothing; it takes more samples than a picture may have"),
+        None => format!("for relMSE {target}: nothing; {}", why_nothing(it)),
+    }
+}
+
+fn why_nothing(it: &Recommendation) -> String {
+    match it.least_bias2 {
+        None => "no two pictures of a point were compared, which would tell its noise".to_owned(),
+        Some(least) if least >= it.target => format!("the least bias^2 of all settings is {}", number(least)),
+        Some(_) => "it takes more samples than a picture may have".to_owned(),
     }
 }
 
@@ -101,4 +103,35 @@ fn settings(best: &Best) -> String {
     let mut text = format!("--spp {}", best.spp);
     best.set.iter().for_each(|(key, value)| _ = write!(text, " -D {key}={value}"));
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn where_nothing_is_to_be_taken_the_reason_is_told() {
+        let why = |least_bias2| sentence(&Recommendation { target: 1e-3, best: None, least_bias2 });
+        assert_eq!(
+            [None, Some(2e-3), Some(0.0)].map(|least| why(least)
+                .split_once("; ")
+                .expect("a reason")
+                .1
+                .to_owned()),
+            [
+                "no two pictures of a point were compared, which would tell its noise",
+                "the least bias^2 of all settings is 2.00e-3",
+                "it takes more samples than a picture may have",
+            ],
+            "reasons"
+        );
+    }
+
+    #[test]
+    fn guesses_are_told_on_both_sides() {
+        let best =
+            Best { name: String::new(), set: Vec::new(), spp: 1, cpu_s: 0.1, error: 1e-3, is_far: true };
+        let told = sentence(&Recommendation { target: 1e-3, best: Some(best), least_bias2: Some(0.0) });
+        assert!(told.ends_with("(far from what was measured: a guess)"), "{told}");
+    }
 }
