@@ -213,5 +213,5 @@ fn oddities_have_places_numbers_and_remedies() {
         assert!(found.starts_with("scene.toml:") && found.contains("; "), "a place and a remedy: {found}");
     }
     let (_, _, stderr) = desk.run(&["render", "scene.toml", "-q", "-o", "a.exr", "--spp", "1"]);
-    assert!(!stderr.contains("needles"), "only `plan` looks at triangles: {stderr}");
+    assert!(!stderr.contains("needle"), "only `plan` looks at triangles: {stderr}");
 }
