@@ -54,6 +54,7 @@ fn a_preset_reaches_its_error() {
             cost["predicted"]["spp"]
         );
         assert!(predicted <= 0.01 * 1.001, "{cost:#}");
+        assert!(found < 0.015, "{settings}: found {found}, and 0.01 was asked for");
         assert!(
             (0.3..3.0).contains(&(found / predicted)),
             "{settings}: predicted {predicted}, found {found}"
@@ -68,6 +69,8 @@ fn a_preset_reaches_its_error() {
                 (0.2..5.0).contains(&(estimated / found)),
                 "{settings}: estimated {estimated}, found {found}"
             );
+        } else {
+            println!("skipped: {settings} has too few samples for an estimate");
         }
         assert!(said.contains("preset preview") && said.contains("--spp "), "{said}");
         // The same again by the flags that were told.
@@ -122,6 +125,14 @@ fn a_budget_is_spent_and_its_error_predicted() {
         assert!(number(&cost["predicted"]["wall_s"]) > 0.0 && said.contains("budget"), "{cost:#}, {said}");
         let estimated = number(&cost["achieved"]["estimated_relmse"]);
         assert!(estimated > 0.0 && estimated < 0.1, "{cost:#}");
+        // Of as many samples as there came to be: a busy machine has time for fewer.
+        let [predicted, achieved] = ["predicted", "achieved"].map(|what| number(&cost[what]["spp"]));
+        let expected = number(&cost["predicted"]["relmse"]) * predicted / achieved;
+        println!(
+            "{:.2} s, {achieved} of {predicted:.0} samples: expected {expected:.2e}, estimated {estimated:.2e}",
+            number(&cost["achieved"]["wall_s"])
+        );
+        assert!((0.2..5.0).contains(&(estimated / expected)), "{cost:#}");
         assert_ne!(cost["set"]["render.max_depth"], "2", "direct light alone is too little: {cost:#}");
     }
 }
