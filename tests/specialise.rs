@@ -75,8 +75,9 @@ const FEW: usize = 130;
 fn apart(what: &str, found: &Film, wanted: &Film) -> Option<String> {
     let (found, wanted) = (found.image(), wanted.image());
     let off = pictures::differing(&found, &wanted, 1e-3, 1e-4);
-    let [found, wanted] = [found, wanted]
-        .map(|image| image.pixels().iter().map(|p| f64::from(p.r) + f64::from(p.g) + f64::from(p.b)).sum::<f64>());
+    let [found, wanted] = [found, wanted].map(|image| {
+        image.pixels().iter().map(|p| f64::from(p.r) + f64::from(p.g) + f64::from(p.b)).sum::<f64>()
+    });
     let told = format!("{what}: {off} pixels differ, a light of {found} for {wanted}");
     println!("{told}");
     (off > FEW || (found - wanted).abs() > 5e-3 * wanted).then_some(told)
