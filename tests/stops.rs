@@ -9,16 +9,15 @@ mod scene;
 
 use desk::Desk;
 use room::room;
-use scene::{bits, scene_of};
+use scene::bits;
 use specula::film::{Aov, Layout};
 use specula::image::exr;
-use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
+use specula::render::{Ended, Limits, Rendered, Settings};
 use std::time::Duration;
 
 fn rendered(text: &str, limits: Limits) -> Rendered {
     let layout = Layout::with([Aov::Variance, Aov::Samples, Aov::Depth]);
-    let settings = Settings { layout, limits, ..Settings::default() };
-    render(&scene_of(text), &settings, &Silent).expect("a picture")
+    scene::rendered(text, &Settings { layout, limits, ..Settings::default() })
 }
 
 fn seconds(seconds: f64) -> Limits {

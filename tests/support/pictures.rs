@@ -2,8 +2,9 @@
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
-use specula::image::Image;
 use specula::image::exr::Picture;
+use specula::image::{Decoded, Image};
+use specula::measure::{Errors, Pair};
 
 /// Asserts that no value is off by more than this part of its own size, or of `least` where that is more; without one, of the greatest of
 /// all.
@@ -32,6 +33,12 @@ pub(crate) fn assert_close(found: &Picture, wanted: &Picture, tolerance: (f32, O
         assert!(wanted.iter().any(|x| x.abs() > 0.0), "{name}: black");
         assert_values_close(&name, &found, &wanted, tolerance);
     }
+}
+
+/// relMSE of a picture against another.
+pub(crate) fn relmse(picture: impl Into<Decoded>, reference: impl Into<Decoded>) -> f64 {
+    let pair = Pair::new(picture.into(), reference.into(), ["picture", "reference"]).expect("alike");
+    Errors::of(&pair).expect("finite pixels").relmse
 }
 
 /// In how many pixels a colour is off by more than this part of it and by more than that.

@@ -1,16 +1,11 @@
 //! What cutting ray trees takes from pictures, predicted and measured, over depth and least throughput: a ball of glass in white light,
-//! and two mirrors that face each other. `cargo test --test pruning_bias -- --nocapture` prints the tables of
+//! and two mirrors that face each other. `cargo test --test ray_tree pruning -- --nocapture` prints the tables of
 //! `benches/record/pruning.md`.
 
-#[path = "support/scene.rs"]
-mod support;
-#[path = "support/tree.rs"]
-mod tree;
-
+use crate::support::scene_of;
+use crate::tree::{BALL_IN_FURNACE, at_angle, fresnel, mirrors, trace, whitted};
 use glam::Vec3;
 use specula::geometry::Ray;
-use support::scene_of;
-use tree::{BALL_IN_FURNACE, at_angle, fresnel, mirrors, trace, whitted};
 
 /// Interfaces that a path may meet.
 const INTERFACES: [u32; 6] = [2, 3, 4, 8, 16, 64];

@@ -1,22 +1,12 @@
 //! Pictures for an error or a time: `render --preset` and `--budget`; what was predicted, and what came of it.
 
-#[path = "support/corner.rs"]
-mod corner;
-#[path = "support/desk.rs"]
-mod desk;
-
-use corner::corner;
-use desk::Desk;
+use crate::desk::Desk;
+use crate::pictures::relmse;
+use crate::room::corner;
+use crate::{clock, place};
 use serde_json::Value;
 use specula::image;
-use specula::measure::{Errors, Pair};
 use std::fs;
-
-fn place(settings: &str) -> Desk {
-    let desk = Desk::new();
-    fs::write(desk.path("a.toml"), corner(settings)).expect("written");
-    desk
-}
 
 /// What the statistics say of a picture of `a.toml`, and what the log does.
 fn rendered(desk: &Desk, words: &[&str]) -> (Value, String) {
@@ -38,11 +28,12 @@ fn error(desk: &Desk, settings: &str) -> f64 {
     assert_eq!(desk.run(&words).0, 0, "a long picture");
     let [test, reference] =
         ["a.exr", "long.exr"].map(|name| image::read(&desk.path(name)).expect("a picture"));
-    Errors::of(&Pair::new(test, reference, ["a", "long"]).expect("one size")).expect("pixels").relmse
+    relmse(test, reference)
 }
 
 #[test]
 fn a_preset_reaches_its_error() {
+    let _clock = clock();
     for settings in ["integrator = \"path\"", "integrator = \"whitted\""] {
         let desk = place(settings);
         let (stats, said) = rendered(&desk, &["--preset", "preview"]);
@@ -101,6 +92,7 @@ fn flags_have_the_last_word() {
 
 #[test]
 fn a_budget_is_spent_and_its_error_predicted() {
+    let _clock = clock();
     let settings = "integrator = \"path\"";
     let desk = place(settings);
     let sweep = [

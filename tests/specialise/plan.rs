@@ -1,9 +1,6 @@
 //! The command `plan`: who asks for what, what that takes and what leaving it out saves, what has no effect, and what is odd.
 
-#[path = "support/desk.rs"]
-mod desk;
-
-use desk::Desk;
+use crate::desk::Desk;
 use serde_json::Value;
 use specula::image;
 use specula::scene::needs::capability::Capability;

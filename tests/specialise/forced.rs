@@ -1,20 +1,14 @@
 //! Leaving out what a scene does not need changes time, never the picture: shipped scenes of different needs as they are, and with
 //! everything switched on that can be. And the list that says so is true of what was built.
 
-#[path = "support/pictures.rs"]
-mod pictures;
-#[path = "support/scene.rs"]
-mod support;
-
+use crate::pictures;
+use crate::support::{bits, film, loaded};
 use specula::film::{Aov, Film, Layout};
 use specula::geometry::{Pose, Shape, World};
 use specula::material::Scattering;
-use specula::render::{Settings, Silent, render};
 use specula::scene::needs::capability::{Capabilities, Capability};
 use specula::scene::{self, Description, Needs, Scene, Wanted};
-use std::num::NonZeroUsize;
 use std::path::Path;
-use support::bits;
 
 /// Scenes of different needs, and how they are rendered.
 const SCENES: [(&str, &[&str]); 8] = [
@@ -53,17 +47,11 @@ const TO_ROUNDING: [Capability; 8] = [
 fn described(name: &str, overrides: &[&str]) -> Description {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(name).with_extension("toml");
     let size = ["film.width=48", "film.height=27", "render.spp=16", "render.max_depth=6"];
-    let overrides: Vec<String> = size.iter().chain(overrides).map(|&text| text.to_owned()).collect();
-    scene::load(&path, &overrides).unwrap_or_else(|error| panic!("{error}")).description
+    loaded(&path, &[&size[..], overrides].concat()).description
 }
 
 fn frozen(description: &Description, wanted: &Wanted) -> Scene {
     scene::build_for(description, wanted).unwrap_or_else(|error| panic!("{error}")).scene
-}
-
-fn film(scene: &Scene) -> Film {
-    let settings = Settings { threads: NonZeroUsize::new(2), ..Settings::default() };
-    render(scene, &settings, &Silent).unwrap_or_else(|error| panic!("{error}")).film
 }
 
 /// Of the 1296 pixels of a picture, twice as many as have been found to be apart.

@@ -1,26 +1,17 @@
 //! Whole pictures of the three ways to fuzzy reflections: against each other, and against what their lobes make of simple scenes.
 
-#[path = "support/fuzzy_edge.rs"]
-mod fuzzy_edge;
-#[path = "support/masks.rs"]
-#[expect(dead_code, reason = "the bench uses the rest")]
-mod masks;
-#[path = "support/scene.rs"]
-mod support;
-
-use fuzzy_edge::{edge, of_lobe, rendered};
+use crate::edge::{by_rays, edge, mirror, of_lobe};
+use crate::masks::{Class, classes};
+use crate::scene::{bits, rendered, scene_in};
 use glam::DVec3;
-use masks::{Class, classes};
-use specula::film::{Aov, Layout};
 use specula::image::Window;
 use specula::math::lanes::Level;
 use specula::post::{End, Fuzzy, Mirror, Speed, filter};
 use specula::render::{Rendered, Settings, Silent, render};
-use specula::scene;
 use std::path::Path;
 
 /// The flat floor of `scenes/fuzzy_plane.toml` with light of its own, small, and with a second light, whose highlight is on the floor.
-fn floor(keys: &[&str], settings: Settings) -> Rendered {
+fn floor(keys: &[&str], settings: &Settings) -> Rendered {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/fuzzy_plane.toml");
     let text = std::fs::read_to_string(path).expect("the scene");
     let lamp = "\n[[lights]]\ntype = \"point\"\nposition = [0.3, 0.6, -1.5]\nintensity = 0.4\n";
@@ -28,19 +19,16 @@ fn floor(keys: &[&str], settings: Settings) -> Rendered {
     let path = folder.path().join("scene.toml");
     std::fs::write(&path, text + lamp).expect("a scene file");
     let own = ["film.width=64", "film.height=40", "materials.floor.diffuse=0.15"];
-    let keys: Vec<_> = own.iter().chain(keys).map(|key| (*key).to_owned()).collect();
-    let loaded = scene::load(&path, &keys).unwrap_or_else(|error| panic!("{error}"));
-    let scene = scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}")).scene;
-    render(&scene, &settings, &Silent).expect("a picture")
+    render(&scene_in(&path, &[&own[..], keys].concat()), settings, &Silent).expect("a picture")
 }
 
 #[test]
 fn a_whole_picture_is_that_of_rays_in_the_lobe() {
     let two = floor(
         &["render.glossy=two-pass", "render.spp=16"],
-        Settings { first_pass: true, ..Settings::default() },
+        &Settings { first_pass: true, ..Settings::default() },
     );
-    let rays = floor(&["render.glossy=lobe", "render.spp=512"], Settings::default());
+    let rays = floor(&["render.glossy=lobe", "render.spp=512"], &Settings::default());
     let window = two.film.window();
     let (found, wanted) = (two.film.values(window), rays.film.values(window));
     let inside: Vec<usize> = (0..)
@@ -88,12 +76,7 @@ fn of_normals(m: f64, x: f64) -> f64 {
 #[test]
 fn glossy_materials_tremble_as_wide_as_their_lobes() {
     for (p, x0) in [(20.0_f32, 0.2), (100.0, 0.05), (100.0, 0.1), (1000.0, 0.02)] {
-        let crop = Window { x0: 4, y0: 4, x1: 5, y1: 5 };
-        let text = edge("spp = 65536\nsampler = \"independent\"\nglossy = \"jitter\"", p, (x0, 0.01, 9));
-        let layout = Layout::with([Aov::Variance]);
-        let film = rendered(&text, Settings { crop: Some(crop), layout, ..Settings::default() }).film;
-        let of = |aov| f64::from(film.channels(aov).expect("kept")[0][0]);
-        let (found, deviation) = (of(Aov::Beauty), of(Aov::Variance).sqrt());
+        let (found, deviation) = by_rays("glossy = \"jitter\"", p, (x0, 0.01, 9));
         let exact = of_normals(4.0 * f64::from(p) + 3.0, x0);
         let lobe = of_lobe(f64::from(p), x0);
         println!("p {p} x0 {x0}: {found:.5} +- {deviation:.5}, normals {exact:.5}, lobe {lobe:.5}");
@@ -108,13 +91,13 @@ fn glossy_materials_tremble_as_wide_as_their_lobes() {
 }
 
 #[test]
-fn other_lobes_do_not_tremble() {
-    let text = |glossy: &str| {
+fn lobes_of_phong_do_not_tremble() {
+    let of = |glossy: &str| {
         let text = edge(&format!("spp = 4\nglossy = \"{glossy}\""), 50.0, (0.1, 0.01, 9));
-        text.replace("type = \"glossy\"", "type = \"phong\"")
+        let text = text.replace("type = \"glossy\"", "type = \"phong\"");
+        bits(&rendered(&text, &Settings::default()).film)
     };
-    let of = |glossy: &str| support::bits(&rendered(&text(glossy), Settings::default()).film);
-    assert_eq!(of("jitter"), of("lobe"), "phong");
+    assert_eq!(of("jitter"), of("lobe"), "another picture");
 }
 
 /// What lobes of an exponent send of the far side of a plane, by the tangent that the mirrored ray is off it, from -1 to 1.
@@ -155,13 +138,9 @@ fn a_sky_is_blurred_by_direction() {
         bytes.extend(if column < 2048 { [0, 0, 0, 0] } else { [128, 128, 128, 129] });
     }
     std::fs::write(&file, bytes).expect("a picture");
-    let text = edge("glossy = \"two-pass\"\nspp = 1\nfuzzy.max_radius = 0", 100.0, (0.0, 0.01, 160));
-    let shapes: Vec<&str> = text.split("[[shapes]]").collect();
-    let vfov = text.find("vfov_deg").expect("there");
-    let end = vfov + text[vfov..].find('\n').expect("a line");
-    let text = format!("{}vfov_deg = 90{}", &text[..vfov], &shapes[..2].join("[[shapes]]")[end..]);
+    let text = mirror("glossy = \"two-pass\"\nspp = 1\nfuzzy.max_radius = 0", 100.0, 90.0, 160);
     let text = format!("{text}[[lights]]\ntype = \"environment\"\nfile = {file:?}\n");
-    let first = rendered(&text, Settings { first_pass: true, ..Settings::default() }).first_pass;
+    let first = rendered(&text, &Settings { first_pass: true, ..Settings::default() }).first_pass;
     let g = &first[0];
     assert!(
         g.texels.iter().all(|texel| texel.mirror.is_some_and(|m| matches!(m.end, End::Away(_)))),
@@ -227,7 +206,7 @@ const WALL: &str = r#"
 fn reflections_blur_from_where_they_touch() {
     // The edge of the wall is upright, so that the lobe is cut by the plane through it and where the ray is mirrored: what comes of it
     // is known, and how wide, by the length of the ray.
-    let g = &rendered(WALL, Settings { first_pass: true, ..Settings::default() }).first_pass[0];
+    let g = &rendered(WALL, &Settings { first_pass: true, ..Settings::default() }).first_pass[0];
     let fuzzy = Fuzzy { lost_mass: 1e-3, ..Fuzzy::default() };
     let profile = Profile::of(300.0);
     let wide = {
@@ -328,7 +307,7 @@ fn a_reflection_meets_what_it_touches() {
         type = "environment"
         radiance = 0.2
     "#;
-    let first = rendered(text, Settings { first_pass: true, ..Settings::default() }).first_pass;
+    let first = rendered(text, &Settings { first_pass: true, ..Settings::default() }).first_pass;
     let mut near = 0;
     for speed in [Speed::PLAIN, Speed::default()] {
         let found =
