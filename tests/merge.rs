@@ -2,12 +2,15 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/pictures.rs"]
+mod pictures;
 #[path = "support/room.rs"]
 mod room;
 #[path = "support/scene.rs"]
 mod scene;
 
 use desk::Desk;
+use pictures::assert_values_close;
 use room::{fuzzy_room, room};
 use scene::{bits, scene_of};
 use serde_json::{Value, json};
@@ -143,14 +146,7 @@ fn the_program_makes_parts_and_merges_them_in_any_order() {
     assert!(sorted("m.exr") == sorted("n.exr"), "the order does not matter, to the bit");
 
     let [whole, joined] = ["whole.exr", "m.exr"].map(|name| exr::read(&desk.path(name)).expect("readable"));
-    assert_eq!(whole.channels.len(), joined.channels.len(), "channels");
-    for (one, other) in whole.channels.iter().zip(&joined.channels) {
-        assert_eq!(one.name, other.name, "channels");
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-        assert!(worst <= 1e-5 * scale, "{worst} of {scale}");
-    }
+    pictures::assert_close(&joined, &whole, (1e-5, None));
     let attribute = |name: &str| joined.attribute(name).unwrap_or("").to_owned();
     assert_eq!(attribute("specula:samples"), "0..32", "metadata");
     assert_eq!((attribute("specula:spp"), attribute("specula:parts")), ("32".into(), "3".into()), "metadata");
@@ -226,13 +222,7 @@ fn slices_of_filtered_reflections_are_the_picture_and_name_their_samples() {
     assert_eq!(status, 0, "{said}");
     let [whole, joined] = ["whole.exr", "m.exr"].map(picture);
     assert_eq!(joined.attribute("specula:samples"), Some("0..10"), "metadata");
-    for (one, other) in whole.channels.iter().zip(&joined.channels) {
-        assert_eq!(one.name, other.name, "channels");
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-        assert!(worst <= 1e-5 * scale, "{worst} of {scale}");
-    }
+    pictures::assert_close(&joined, &whole, (1e-5, None));
     assert_eq!(stats("whole.json")["rays"], stats("m.json")["rays"], "rays");
     assert!(stats("m.json")["phases"]["filter"]["cpu_s"].as_f64().expect("a number") > 0.0, "filtering");
 }
