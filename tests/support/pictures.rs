@@ -16,7 +16,7 @@ pub(crate) fn assert_values_close(
 ) {
     assert_eq!(found.len(), wanted.len(), "{what}");
     let finite = wanted.iter().filter(|b| b.is_finite());
-    let least = least.unwrap_or_else(|| finite.fold(0.0, |most, b| most.max(b.abs())));
+    let least = least.unwrap_or_else(|| finite.fold(0.0_f32, |most, b| most.max(b.abs())));
     for (a, b) in found.iter().zip(wanted) {
         let is_close = (a - b).abs() <= relative * b.abs().max(least) || a.to_bits() == b.to_bits();
         assert!(is_close, "{what}: {a} for {b}, where {least} counts");
