@@ -23,10 +23,13 @@
 
 #[path = "../tests/support/noisy.rs"]
 mod noisy;
+#[path = "../tests/support/pictures.rs"]
+mod pictures;
 #[path = "../tests/support/scene.rs"]
 mod scene;
 
-use noisy::{ALL, Noisy, relmse};
+use noisy::{ALL, Noisy};
+use pictures::relmse;
 use scene::scene_of;
 use specula::film::Film;
 use specula::render::{Limits, Rendered, Settings, Silent, render};
@@ -87,11 +90,11 @@ fn row(noisy: &Noisy, scale: &Scale, target: f64, reference: &Film) -> Result<St
         let ended = picture(noisy, scale, &seed, 1 << 16, Some(target));
         let mean = ended.film.samples() as f64 / ended.film.window().area() as f64;
         told += ended.statistics.estimate.map_or(0.0, |estimate| estimate.error) / target / runs;
-        errors.push(relmse(&ended.film, reference) / target);
+        errors.push(relmse(ended.film.image(), reference.image()) / target);
         spp += mean / runs;
         most = most.max(ended.film.samples_of_pixels()[1]);
         let same = picture(noisy, scale, &seed, mean.round() as u32, None);
-        even += relmse(&same.film, reference) / target / runs;
+        even += relmse(same.film.image(), reference.image()) / target / runs;
         cpu[0] += ended.statistics.render.cpu.as_secs_f64();
         cpu[1] += same.statistics.render.cpu.as_secs_f64();
     }

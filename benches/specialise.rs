@@ -2,7 +2,7 @@
 //! with all of them; and the memory of a mesh with and without attributes of its vertices.
 //! `cargo bench --bench specialise -- [--record] [part of a scene's name]`; the record is what `specula plan` quotes.
 //!
-//! Contestants of a race are one scene, frozen for the same picture; `tests/specialise.rs` shows that it is the same. The word `memory`
+//! Contestants of a race are one scene, frozen for the same picture; `tests/specialise` shows that it is the same. The word `memory`
 //! measures meshes of a million triangles instead, in processes of their own; the word `duplicates` renders a mesh that is placed several
 //! times, as copies in their places and as instances, its building included.
 

@@ -5,14 +5,17 @@
 
 #[path = "support/noisy.rs"]
 mod noisy;
+#[path = "support/pictures.rs"]
+mod pictures;
 #[path = "support/scene.rs"]
 mod scene;
 
-use noisy::{ALL, Noisy, relmse};
-use scene::{bits, scene_of};
+use noisy::{ALL, Noisy};
+use pictures::relmse;
+use scene::bits;
 use specula::film::{Aov, Film, Layout};
 use specula::image::Window;
-use specula::render::{Ended, Limits, Rendered, Settings, Silent, render};
+use specula::render::{Ended, Limits, Rendered, Settings};
 use std::num::NonZeroUsize;
 use std::time::Duration;
 
@@ -24,7 +27,7 @@ const RUNS: u64 = 12;
 fn rendered(text: &str, limits: Limits, threads: usize) -> Rendered {
     let layout = Layout::with([Aov::Samples, Aov::Variance]);
     let settings = Settings { layout, limits, threads: NonZeroUsize::new(threads), ..Settings::default() };
-    render(&scene_of(text), &settings, &Silent).expect("a picture")
+    scene::rendered(text, &settings)
 }
 
 fn until(error: f64) -> Limits {
@@ -46,7 +49,7 @@ fn above(noisy: &Noisy) -> usize {
         assert_eq!(statistics.ended, Ended::Error, "{}", noisy.name);
         let estimate = statistics.estimate.expect("an estimate");
         assert!(estimate.error <= estimate.bound && estimate.bound <= noisy.target, "{estimate:?}");
-        ratios.push(relmse(&film, &reference) / noisy.target);
+        ratios.push(relmse(film.image(), reference.image()) / noisy.target);
         told += estimate.error / noisy.target / RUNS as f64;
         spp += mean_spp(&film) / RUNS as f64;
     }
@@ -136,6 +139,6 @@ fn black_pictures_and_single_pixels_are_done_soon() {
     assert_eq!(done.film.samples_of_pixels(), [32, 32], "the least");
     let crop = Some(Window { x0: 20, y0: 20, x1: 21, y1: 21 });
     let settings = Settings { crop, limits: until(0.05), ..Settings::default() };
-    let one = render(&scene_of(&ALL[0].text(SIZE, "")), &settings, &Silent).expect("a picture");
+    let one = scene::rendered(&ALL[0].text(SIZE, ""), &settings);
     assert_eq!(one.statistics.ended, Ended::Error, "one pixel");
 }

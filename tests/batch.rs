@@ -2,11 +2,14 @@
 
 #[path = "support/desk.rs"]
 mod desk;
-#[path = "support/farm.rs"]
-mod farm;
+#[path = "support/models.rs"]
+mod models;
+#[cfg(unix)]
+#[path = "support/running.rs"]
+mod running;
 
 use desk::Desk;
-use farm::{channels, desk, read, spawn, write};
+use models::{desk, read, write};
 use serde_json::Value;
 use specula::image::exr;
 use std::collections::BTreeMap;
@@ -60,10 +63,10 @@ fn what_is_done_is_left_out_until_something_changes() {
     let picture = read(&desk, "paint.png");
     std::fs::write(desk.path("paint.png"), &picture).expect("written");
     assert_eq!(again().0, 0, "written again");
-    farm::paint(&desk, "paint.png", [10, 200, 30]);
+    models::paint(&desk, "paint.png", [10, 200, 30]);
     let changed = vec!["`paint.png` has changed".to_owned(); 2];
     assert_eq!(again(), (2, 0, changed), "a texture of the scene");
-    farm::paint(&desk, "inner.png", [10, 200, 30]);
+    models::paint(&desk, "inner.png", [10, 200, 30]);
     assert_eq!(again().2, vec!["`inner.png` has changed".to_owned(); 2], "a texture that an MTL file names");
     std::fs::remove_file(desk.path("model.png")).expect("removed");
     assert_eq!(again(), (1, 1, vec!["there is no `model.png`".to_owned(), String::new()]), "a preview");
@@ -115,10 +118,10 @@ fn frames_are_single_renderings_to_the_bit() {
             let number = format!("--frames={frame}");
             let (status, _, said) = desk.run(&["render", &file, "-q", &number, "-o", "single.exr"]);
             assert_eq!(status, 0, "{said}");
-            let single = channels(&desk, "single.exr");
+            let single = desk.channels("single.exr");
             let name = if frame < 0 { "one.-0001.exr".to_owned() } else { format!("one.{frame:04}.exr") };
-            assert!(channels(&desk, &name) == single, "{scene} {frame}: one after the other");
-            assert!(channels(&desk, &format!("{scene}_{frame}.exr")) == single, "{scene} {frame}: a batch");
+            assert!(desk.channels(&name) == single, "{scene} {frame}: one after the other");
+            assert!(desk.channels(&format!("{scene}_{frame}.exr")) == single, "{scene} {frame}: a batch");
             let picture = exr::read(&desk.path("single.exr")).expect("readable");
             assert_eq!(picture.attribute("specula:frame"), Some(frame.to_string().as_str()), "number");
             let time: f64 =
@@ -134,9 +137,9 @@ fn frames_are_single_renderings_to_the_bit() {
             let close = format!("camera.shutter_close_s={}", shutter[1]);
             let words = ["render", &file, "-q", "-D", &open, "-D", &close, "-o", "hand.exr"];
             assert_eq!(desk.run(&words).0, 0, "rendered");
-            assert!(channels(&desk, "hand.exr") == single, "{scene} {frame}: the shutter by hand");
+            assert!(desk.channels("hand.exr") == single, "{scene} {frame}: the shutter by hand");
             if frame == 0 {
-                assert!(channels(&desk, "file.exr") == single, "{scene}: frame 0 is what the file says");
+                assert!(desk.channels("file.exr") == single, "{scene}: frame 0 is what the file says");
             }
             pictures.push(single);
         }
@@ -181,7 +184,7 @@ fn side_by_side_is_one_after_the_other_to_the_bit() {
         let (status, summary, said) = batch(&desk, &words);
         assert_eq!((status, count(&summary, "rendered")), (0, 9), "{flags:?}: {said}");
         let pictures = desk.names().into_iter().filter(|name| name.ends_with(".exr"));
-        pictures.map(|name| (name.clone(), channels(&desk, &name))).collect()
+        pictures.map(|name| (name.clone(), desk.channels(&name))).collect()
     };
     let one = run(&["-t", "1"]);
     assert_eq!(one.len(), 9, "pictures");
@@ -211,14 +214,14 @@ fn files_of_overrides_are_seen_from_where_these_are_written() {
     std::fs::create_dir(desk.path("sub")).expect("made");
     std::fs::rename(desk.path("model.obj"), desk.path("sub/other.obj")).expect("moved");
     std::fs::rename(desk.path("model.mtl"), desk.path("sub/model.mtl")).expect("moved");
-    farm::paint(&desk, "sub/inner.png", [50, 100, 200]);
+    models::paint(&desk, "sub/inner.png", [50, 100, 200]);
     let jobs = "[[jobs]]\nname = 'a'\nscene = '../still.toml'\noverrides = { shapes.0.file = 'other.obj' }\noutputs = ['a.exr']\n";
     write(&desk, "sub/jobs.toml", jobs);
     let wall = "materials.wall.reflectance={ file = 'late.png' }";
     let words = ["sub/jobs.toml", "-D", wall, "-D", "render.spp=1"];
     let (status, summary, said) = batch(&desk, &words);
     assert!(status == 1 && said.contains("no such file `late.png`"), "{said}");
-    farm::paint(&desk, "late.png", [9, 9, 9]);
+    models::paint(&desk, "late.png", [9, 9, 9]);
     let command = told(&desk, &summary);
     assert!(command.starts_with("cd sub && ") && desk.path("sub/a.exr").exists(), "{command}");
     let alone = channels(&desk, "sub/a.exr");
@@ -247,7 +250,7 @@ fn what_became_of_all_is_told_though_no_worker_can_start() {
 fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     let desk = desk();
     std::fs::create_dir(desk.path("sub")).expect("made");
-    write(&desk, "model.toml", &farm::scene(farm::KEYS).replace("paint.png", "gone.png"));
+    write(&desk, "model.toml", &models::scene(models::KEYS).replace("paint.png", "gone.png"));
     write(&desk, "broken.toml", "[camera]\nfom = [0, 0, 0]\n");
     let jobs = "[[jobs]]\nname = 'first one'\nscene = '../model.toml'\nframes = 3\noutputs = ['a#.exr']\n[[jobs]]\nscene = '../still.toml'\n[[jobs]]\nscene = '../broken.toml'\n[[jobs]]\nname = 'x'\nscene = '../still.toml'\noverrides.render.sp = 1\n[[jobs]]\nname = 'last'\nscene = '../still.toml'\n";
     write(&desk, "sub/jobs.toml", jobs);
@@ -266,7 +269,7 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
         assert!(said.contains(told), "{told} in {said}");
     }
     // The command that is told does it.
-    farm::paint(&desk, "gone.png", [9, 9, 9]);
+    models::paint(&desk, "gone.png", [9, 9, 9]);
     let command = told(&desk, &summary);
     assert!(desk.path("sub/a3.exr").exists(), "{command}");
     write(&desk, "sub/jobs.toml", &jobs[..jobs.find("[[jobs]]\nscene = '../broken").expect("there")]);
@@ -350,18 +353,15 @@ fn an_interrupted_batch_keeps_checkpoints_and_goes_on_to_the_same_picture() {
     write(&desk, "batch.toml", jobs);
     let (status, _, said) = desk.run(&["batch", "batch.toml", "-q"]);
     assert_eq!(status, 0, "{said}");
-    let whole = channels(&desk, "a.exr");
+    let whole = desk.channels("a.exr");
     let words = ["batch", "batch.toml", "-q", "--force", "--checkpoint-every", "100ms", "-t", "1"];
     for signal in ["-INT", "-TERM"] {
         for name in ["a.exr", "a.png", "b.exr"] {
             std::fs::remove_file(desk.path(name)).expect("removed");
         }
-        let child = spawn(&desk, &words);
-        while !desk.path("a.png.ckpt").exists() {
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("run");
-        assert!(sent.success(), "sent");
+        let child = running::spawn(&desk, &words);
+        running::wait_for("a checkpoint", Duration::from_secs(60), || desk.path("a.png.ckpt").exists());
+        running::signal(&child, signal);
         let output = child.wait_with_output().expect("ended");
         assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
         let out = String::from_utf8_lossy(&output.stdout);
@@ -369,7 +369,7 @@ fn an_interrupted_batch_keeps_checkpoints_and_goes_on_to_the_same_picture() {
         assert!(!desk.names().iter().any(|name| name.ends_with(".exr") || name.ends_with(".tmp")), "absent");
         let (status, out, said) = desk.run(&[&words[..1], &words[1..2], &words[4..]].concat());
         assert!(status == 0 && said.contains("going on from"), "{out}{said}");
-        assert!(channels(&desk, "a.exr") == whole, "{signal}: the same picture");
+        assert!(desk.channels("a.exr") == whole, "{signal}: the same picture");
         assert!(!desk.path("a.png.ckpt").exists() && desk.path("a.png").exists(), "{signal}: whole");
     }
     // A checkpoint of something else is told, and given up.

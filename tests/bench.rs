@@ -2,6 +2,9 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[cfg(unix)]
+#[path = "support/running.rs"]
+mod running;
 
 use desk::Desk;
 use serde_json::Value;
@@ -9,9 +12,7 @@ use specula::bench::agreement::Difference;
 use specula::bench::{Class, Contestant};
 use std::fs;
 #[cfg(unix)]
-use std::process::{Command, Stdio};
-#[cfg(unix)]
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// A ball and a box on a floor under two lamps, one of which has a size.
 const SCENE: &str = "
@@ -206,23 +207,12 @@ fn an_interrupted_race_ends_with_status_130() {
     let desk = place();
     let words =
         ["bench", "a.toml", "-q", "--rays", "65536", "--passes", "500", "-t", "1", "--record", "a.rays"];
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
-        .args(words)
-        .args(["--report", "a.html"])
-        .current_dir(desk.path("."))
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("started");
+    let mut child = running::spawn(&desk, &[&words[..], &["--report", "a.html"]].concat());
     // Once rays are recorded the race begins.
-    let begin = Instant::now();
-    while !desk.path("a.rays").exists() && begin.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(10));
-    }
+    running::wait_for("rays", Duration::from_secs(60), || desk.path("a.rays").exists());
     std::thread::sleep(Duration::from_millis(200));
     assert!(child.try_wait().expect("known").is_none(), "the race is on");
-    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("run");
-    assert!(sent.success(), "sent");
+    running::signal(&child, "-INT");
     let output = child.wait_with_output().expect("ended");
     assert_eq!((output.status.code(), output.stdout.len()), (Some(130), 0), "interrupted, without a table");
     assert_eq!(desk.names(), ["a.rays", "a.toml"], "no page, nothing half-written");

@@ -2,6 +2,9 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[cfg(unix)]
+#[path = "support/running.rs"]
+mod running;
 
 use std::fs;
 use std::path::Path;
@@ -485,26 +488,10 @@ fn a_closed_pipe_is_no_error() {
 #[test]
 fn an_interrupt_ends_with_130_and_no_files() {
     use std::io::{BufRead as _, BufReader};
-    use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
     let place = place();
-    let mut child = Command::new(assert_cmd::cargo::cargo_bin("specula"))
-        .current_dir(place.path("."))
-        .args([
-            "render",
-            "ball.toml",
-            "-o",
-            "a.exr",
-            "--spp",
-            "100000",
-            "--width",
-            "640",
-            "--log-level",
-            "debug",
-        ])
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("started");
+    let words = ["render", "ball.toml", "-o", "a.exr", "--spp", "100000", "--width", "640"];
+    let mut child = running::spawn(&place, &[&words[..], &["--log-level", "debug"]].concat());
     // Its first line says that it listens to signals and has begun.
     let mut stderr = BufReader::new(child.stderr.take().expect("piped"));
     let mut line = String::new();
@@ -512,8 +499,7 @@ fn an_interrupt_ends_with_130_and_no_files() {
     assert!(line.contains("reading ball.toml"), "{line}");
     std::thread::sleep(Duration::from_millis(300));
     let asked = Instant::now();
-    let id = child.id().to_string();
-    assert!(Command::new("kill").args(["-INT", &id]).status().expect("run").success(), "signalled");
+    running::signal(&child, "-INT");
     let status = child.wait().expect("ended");
     assert_eq!(status.code(), Some(130), "status");
     assert!(asked.elapsed() < Duration::from_secs(60), "after {:?}", asked.elapsed());

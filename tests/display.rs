@@ -128,7 +128,14 @@ impl Received {
 }
 
 fn listener() -> (TcpListener, String) {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
+    listener_at("127.0.0.1")
+}
+
+/// At an address of its own: nobody else takes the port when the listener goes.
+fn listener_at(address: &str) -> (TcpListener, String) {
+    // Elsewhere there is one such address.
+    let address = if cfg!(target_os = "linux") { address } else { "127.0.0.1" };
+    let listener = TcpListener::bind((address, 0)).expect("a port");
     let place = listener.local_addr().expect("bound").to_string();
     (listener, place)
 }
@@ -336,7 +343,7 @@ fn a_viewer_that_dies_is_told_of_once() {
 #[test]
 fn a_viewer_that_is_not_there_is_told_of_once() {
     let desk = desk();
-    let (listener, place) = listener();
+    let (listener, place) = listener_at("127.0.0.2");
     drop(listener);
     let words = ["render", "scene.toml", "-o", "a.#.exr", "--frames", "1..3", "--display", &place];
     let (status, _, log) = desk.run(&words);
@@ -347,7 +354,7 @@ fn a_viewer_that_is_not_there_is_told_of_once() {
 
 #[test]
 fn a_viewer_that_comes_late_has_it_all() {
-    let (listener, place) = listener();
+    let (listener, place) = listener_at("127.0.0.3");
     drop(listener);
     let display = specula::display::Display::start(&place, Box::new(|_| {})).expect("a thread");
     display.begin("late", [3, 2]);

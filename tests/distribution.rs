@@ -9,14 +9,14 @@ mod support;
 use estimates::{Estimate, LIMIT};
 use glam::{DVec3, Vec3};
 use specula::accel::Brute;
-use specula::film::{Aov, Film};
 use specula::geometry::Ray;
 use specula::integrator::{CameraRay, Integrator, Splitting, Stage, Whitted, Worker};
-use specula::render::{Settings, Silent, render};
+use specula::render::Settings;
 use specula::sampling::SamplerKind;
 use specula::scene::{self, Scene};
 use std::f64::consts::{PI, TAU};
-use support::scene_of;
+use std::num::NonZeroUsize;
+use support::{bits, rendered, scene_of};
 
 /// The tree that stops at direct light, and at what one glossy ray meets.
 const fn tree(splitting: Splitting) -> Whitted {
@@ -300,19 +300,12 @@ fn seen_in_lobe(exponent: f64, size: f64) -> f64 {
     sum
 }
 
-fn bits(scene: &Scene, threads: usize) -> Vec<Vec<u32>> {
-    let settings = Settings { threads: std::num::NonZeroUsize::new(threads), ..Settings::default() };
-    let film: Film = render(scene, &settings, &Silent).expect("a picture").film;
-    assert_eq!(film.non_finite().count(), 0, "samples that are not finite");
-    let all = film.layout().aovs().iter().filter_map(|&aov: &Aov| film.channels(aov)).flatten();
-    all.map(|values| values.iter().map(|value| value.to_bits()).collect()).collect()
-}
-
 #[test]
 fn the_integrators_are_one_tree_with_other_numbers() {
     let picture = |render: &str, threads| {
         let head = "[film]\nwidth = 40\nheight = 30\n[camera]\nlens_radius = 0.1\n[render]\nspp = 2\nbackend = 'brute'\n";
-        bits(&scene_of(&format!("{head}{render}\n{FUZZY}")), threads)
+        let settings = Settings { threads: NonZeroUsize::new(threads), ..Settings::default() };
+        bits(&rendered(&format!("{head}{render}\n{FUZZY}"), &settings).film)
     };
     let two = picture("integrator = 'distribution'", 1);
     assert!(picture("integrator = 'distribution'", 3) == two, "threads change nothing");

@@ -8,12 +8,17 @@
 mod cluster;
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/pictures.rs"]
+mod pictures;
 #[path = "support/room.rs"]
 mod room;
+#[path = "support/running.rs"]
+mod running;
 
 use cluster::Cluster;
 use desk::Desk;
 use room::room;
+use running::{signal, wait_for};
 use serde_json::{Value, json};
 use specula::image::exr;
 use std::fs;
@@ -81,18 +86,10 @@ fn paths(document: &Value, key: &str) -> Vec<PathBuf> {
     paths.map(|path| path.as_str().expect("a path").into()).collect()
 }
 
-/// Asserts that two pictures agree to rounding, each channel relative to its greatest value.
-fn assert_same(one: &Path, other: &Path) {
-    let [one, other] = [one, other].map(|path| exr::read(path).expect("a picture"));
-    assert_eq!((one.full, one.channels.len()), (other.full, other.channels.len()), "size and channels");
-    for (one, other) in one.channels.iter().zip(&other.channels) {
-        let name = &one.name;
-        assert_eq!(*name, other.name, "channels");
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-        assert!(scale > 0.0 && worst <= 1e-5 * scale, "{name:?}: {worst} of {scale}");
-    }
+/// Asserts that pictures agree to rounding, each channel relative to its greatest value.
+fn assert_same(wanted: &Path, found: &Path) {
+    let [found, wanted] = [found, wanted].map(|path| exr::read(path).expect("a picture"));
+    pictures::assert_close(&found, &wanted, (1e-5, None));
 }
 
 /// A folder with a command of this name that does what the script says.
@@ -227,24 +224,20 @@ fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
     let (files, parts) = (paths(&document, "files"), paths(&document, "parts"));
     let mut task = node(&files[0], &[("SLURM_ARRAY_TASK_ID", "0")]);
     let task = task.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("started");
-    let checkpoint = || {
-        let entries = fs::read_dir(folder.join("a.farm")).expect("there").flatten();
-        let mut names = entries.map(|entry| entry.path());
-        names.find(|path| path.extension().is_some_and(|extension| extension == "ckpt"))
-    };
-    wait_for("a checkpoint", Duration::from_secs(60), || checkpoint().is_some());
-    let killed = Command::new("kill").arg(task.id().to_string()).status().expect("run");
-    assert!(killed.success(), "asked to stop");
+    let dir = folder.join("a.farm");
+    let is_kept = || checkpoints_of(&dir, 0) > 0;
+    wait_for("a checkpoint", Duration::from_secs(60), is_kept);
+    signal(&task, "-TERM");
     let output = task.wait_with_output().expect("ended");
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
-    assert!(checkpoint().is_some() && !parts[0].exists(), "a checkpoint and no part");
+    assert!(is_kept() && !parts[0].exists(), "a checkpoint and no part");
 
     let again = [("SLURM_ARRAY_TASK_ID", "0"), ("SLURM_RESTART_COUNT", "1")];
     let output = node(&files[0], &again).output().expect("run");
     assert!(output.status.success(), "{}", text(&output.stderr));
     // The log of tasks is that of the command.
     assert!(text(&output.stderr).contains("going on from"), "{}", text(&output.stderr));
-    assert!(checkpoint().is_none() && parts[0].is_file(), "a part and no checkpoint");
+    assert!(!is_kept() && parts[0].is_file(), "a part and no checkpoint");
     let said = done(&mut node(&files[0], &again));
     assert!(said.contains("an earlier run has written it"), "{said}");
 }
@@ -252,20 +245,26 @@ fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
 #[test]
 fn a_task_that_runs_twice_at_once_gives_one_sound_part() {
     let (_desk, folder) = desk(ODD);
-    let flags = ["--spp=96", "--slices=2", "-o", "a.exr", "--checkpoint-every=10ms"];
+    let picture = [&LONG[..], &["--spp=256"]].concat();
+    let flags = [&picture[..], &["--slices=2", "-o", "a.exr", "--checkpoint-every=10ms"]].concat();
     let document = farm(&folder, "slurm", &flags);
     let files = paths(&document, "files");
     let run = |slice: &str| -> Child {
         let mut task = node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]);
         task.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("started")
     };
-    let tasks = ["0", "0", "0", "1", "1"].map(run);
+    let mut tasks = ["0", "0", "0", "1", "1"].map(run);
+    let dir = folder.join("a.farm");
+    wait_for("a checkpoint", Duration::from_secs(60), || checkpoints_of(&dir, 0) > 0);
+    let states = tasks[..3].iter_mut().map(|task| task.try_wait().expect("known"));
+    let running = states.filter(Option::is_none).count();
+    assert!(running >= 2, "{running} at once");
     for task in tasks {
         let output = task.wait_with_output().expect("ended");
         assert!(output.status.success(), "{}", text(&output.stderr));
     }
     done(&mut node(&files[1], &[("SLURM_JOB_ID", "1")]));
-    done(specula(&folder).args(["render", "a room.toml", "-q", "--spp=96", "-o", "one.exr"]));
+    done(specula(&folder).args(["render", "a room.toml", "-q", "-o", "one.exr"]).args(&picture));
     assert_same(&folder.join("one.exr"), &folder.join("a.exr"));
 }
 
@@ -477,6 +476,12 @@ fn files_of(dir: &Path, begin: &str, end: &str) -> Vec<PathBuf> {
     entries.filter(is_wanted).collect()
 }
 
+/// How many checkpoints of a slice there are.
+fn checkpoints_of(dir: &Path, slice: u32) -> usize {
+    let part = format!("-{slice}.part");
+    files_of(dir, "part-", ".ckpt").iter().filter(|path| path.to_string_lossy().contains(&part)).count()
+}
+
 #[test]
 fn slurm_renders_the_picture_though_a_node_dies_under_it() {
     let Some(cluster) = Cluster::up(2) else { return };
@@ -493,12 +498,7 @@ fn slurm_renders_the_picture_though_a_node_dies_under_it() {
         found.unwrap_or_else(|| panic!("nothing runs on {node}"))
     };
     let (kept, lost) = (on("n1"), on("n2"));
-    let checkpoints = |slice: u32| {
-        files_of(&dir, "part-", ".ckpt")
-            .iter()
-            .filter(|path| path.to_string_lossy().contains(&format!("-{slice}.part")))
-            .count()
-    };
+    let checkpoints = |slice: u32| checkpoints_of(&dir, slice);
     wait_for("checkpoints", Duration::from_secs(60), || checkpoints(kept) > 0 && checkpoints(lost) > 0);
     let parts = |slice: u32| files_of(&dir, "part-", &format!("-{slice}.part")).len();
     assert_eq!((parts(kept), parts(lost)), (0, 0), "both are under way");
@@ -559,16 +559,12 @@ fn a_failed_slice_is_told_and_the_others_are_kept(cluster: &Cluster, folder: &Pa
     assert_same(&folder.join("c.exr"), &folder.join("b.exr"));
 }
 
-/// The command of the package openjd-cli: on the path, or where `.ci/run` puts it.
+/// The command of the package openjd-cli, where the path has it.
 fn openjd() -> Option<PathBuf> {
-    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/openjd/bin");
     let path = std::env::var_os("PATH").unwrap_or_default();
-    let found = std::env::split_paths(&path)
-        .chain([own])
-        .map(|folder| folder.join("openjd"))
-        .find(|file| file.is_file());
+    let found = std::env::split_paths(&path).map(|folder| folder.join("openjd")).find(|file| file.is_file());
     if found.is_none() {
-        println!("skipped: there is no `openjd` (PyPI: openjd-cli)");
+        println!("skipped: there is no `openjd` (package openjd-cli)");
     }
     found
 }
@@ -597,7 +593,10 @@ fn the_template_makes_the_picture() {
     done(Command::new(&openjd).arg("check").arg(template));
     done(Command::new(&openjd).arg("run").arg(template).args(["-p", &parameters]));
     done(specula(&folder).args(["render", "a room.toml", "-q", "--half", "-o", "one.exr"]).args(flags));
-    assert_same_halves(&folder.join("one.exr"), &folder.join("all $@.exr"));
+    // Halves, but for the rounding of single values.
+    let [found, wanted] =
+        ["all $@.exr", "one.exr"].map(|name| exr::read(&folder.join(name)).expect("a picture"));
+    pictures::assert_close(&found, &wanted, (1.0 / 1024.0, Some(1e-3)));
     assert!(folder.join("all.png").is_file() && folder.join("all.json").is_file(), "all that was asked for");
     assert!(!folder.join("gone").exists(), "nothing was run by a name");
 
@@ -638,32 +637,8 @@ fn a_template_that_is_run_is_asked_to_stop() {
     let child = command.spawn().expect("started");
     let told = || fs::read_to_string(desk.path("told")).unwrap_or_default();
     wait_for("openjd", Duration::from_secs(60), || told() == "begun\n");
-    assert!(
-        Command::new("kill").arg(child.id().to_string()).status().expect("run").success(),
-        "asked to stop"
-    );
+    signal(&child, "-TERM");
     let output = child.wait_with_output().expect("ended");
     assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
     assert_eq!(told(), "begun\nstopped\n", "it was asked, too");
-}
-
-/// Asserts that pictures of 16-bit floats agree but for the rounding of single values.
-fn assert_same_halves(one: &Path, other: &Path) {
-    let [one, other] = [one, other].map(|path| exr::read(path).expect("a picture"));
-    assert_eq!(one.channels.len(), other.channels.len(), "channels");
-    for (one, other) in one.channels.iter().zip(&other.channels) {
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let worst =
-            one.iter().zip(&other).map(|(a, b)| (a - b).abs() / a.abs().max(1e-3)).fold(0.0, f32::max);
-        assert!(worst <= 1.0 / 1024.0, "{worst}");
-    }
-}
-
-/// Waits until something holds.
-fn wait_for(what: &str, most: Duration, mut holds: impl FnMut() -> bool) {
-    let begin = Instant::now();
-    while !holds() {
-        assert!(begin.elapsed() < most, "{what}: not within {most:?}");
-        std::thread::sleep(Duration::from_millis(100));
-    }
 }

@@ -11,8 +11,6 @@ mod support;
 use estimates::{Estimate, LIMIT};
 use glam::{DVec2, Vec2};
 use specula::accel::{Accel, Brute};
-use specula::film::{Aov, Film};
-use specula::render::{Settings, Silent, render};
 use specula::sampling::{Dim, Sampler, SamplerKind, Vertex};
 use specula::scene::{self, Scene};
 use statistics::chi_square_tail;
@@ -159,9 +157,7 @@ fn row(depth: f64, camera: &str) -> Scene {
 }
 
 fn bits(scene: &Scene) -> Vec<u32> {
-    let film: Film = render(scene, &Settings::default(), &Silent).expect("a picture").film;
-    let all = film.layout().aovs().iter().filter_map(|&aov: &Aov| film.channels(aov)).flatten().flatten();
-    all.map(f32::to_bits).collect()
+    support::bits(&support::film(scene)).concat()
 }
 
 #[test]

@@ -2,12 +2,15 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/pictures.rs"]
+mod pictures;
 #[path = "support/room.rs"]
 mod room;
 #[path = "support/scene.rs"]
 mod scene;
 
 use desk::Desk;
+use pictures::assert_values_close;
 use room::{fuzzy_room, room};
 use scene::{bits, scene_of};
 use serde_json::{Value, json};
@@ -46,12 +49,10 @@ fn merged(scene: &specula::scene::Scene, parts: impl Iterator<Item = Settings>) 
 fn assert_close(one: &Film, other: &Film, what: &str) {
     for &aov in one.layout().aovs() {
         let [one, other] = [one, other].map(|film| film.channels(aov).expect("kept"));
+        // Sums of doubles in another order, then rounded to singles; variance is a difference of such sums.
+        let tolerance = if aov == Aov::Variance { 1e-5 } else { 1e-6 };
         for (one, other) in one.iter().zip(&other) {
-            let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-            // Sums of doubles in another order, then rounded to singles; variance is a difference of such sums.
-            let tolerance = if aov == Aov::Variance { 1e-5 } else { 1e-6 };
-            let worst = one.iter().zip(other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-            assert!(worst <= tolerance * scale, "{what}: {}: {worst} of {scale}", aov.name());
+            assert_values_close(&format!("{what}: {}", aov.name()), one, other, (tolerance, None));
         }
     }
 }
@@ -145,14 +146,7 @@ fn the_program_makes_parts_and_merges_them_in_any_order() {
     assert!(sorted("m.exr") == sorted("n.exr"), "the order does not matter, to the bit");
 
     let [whole, joined] = ["whole.exr", "m.exr"].map(|name| exr::read(&desk.path(name)).expect("readable"));
-    assert_eq!(whole.channels.len(), joined.channels.len(), "channels");
-    for (one, other) in whole.channels.iter().zip(&joined.channels) {
-        assert_eq!(one.name, other.name, "channels");
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-        assert!(worst <= 1e-5 * scale, "{worst} of {scale}");
-    }
+    pictures::assert_close(&joined, &whole, (1e-5, None));
     let attribute = |name: &str| joined.attribute(name).unwrap_or("").to_owned();
     assert_eq!(attribute("specula:samples"), "0..32", "metadata");
     assert_eq!((attribute("specula:spp"), attribute("specula:parts")), ("32".into(), "3".into()), "metadata");
@@ -230,13 +224,7 @@ fn slices_of_filtered_reflections_are_the_picture_and_name_their_samples() {
     assert_eq!(status, 0, "{said}");
     let [whole, joined] = ["whole.exr", "m.exr"].map(picture);
     assert_eq!(joined.attribute("specula:samples"), Some("0..10"), "metadata");
-    for (one, other) in whole.channels.iter().zip(&joined.channels) {
-        assert_eq!(one.name, other.name, "channels");
-        let [one, other] = [one, other].map(|channel| channel.samples.to_f32());
-        let scale = one.iter().fold(0.0_f32, |scale, x| scale.max(x.abs()));
-        let worst = one.iter().zip(&other).fold(0.0_f32, |worst, (a, b)| worst.max((a - b).abs()));
-        assert!(worst <= 1e-5 * scale, "{worst} of {scale}");
-    }
+    pictures::assert_close(&joined, &whole, (1e-5, None));
     assert_tells_as_much(&stats("m.json"), &stats("whole.json"));
     for key in ["frame", "frame_time_s"] {
         assert_eq!(stats("m.json")[key], stats("whole.json")[key], "{key}");
@@ -342,8 +330,8 @@ fn three_hundred_parts_are_merged() {
     assert_eq!(picture.attribute("specula:time_render_s"), Some("150"), "times add up");
     let whole = render(&scene, &settings(None, None), &Silent).expect("a picture").film;
     let red = picture.channel("R").expect("there").to_f32();
-    let close = |(a, b): (&f32, &f32)| (a - b).abs() <= 1e-6 * b.abs();
-    assert!(red.iter().zip(&whole.channels(Aov::Beauty).expect("kept")[0]).all(close), "the picture");
+    let beauty = whole.channels(Aov::Beauty).expect("kept");
+    assert_values_close("the picture", &red, &beauty[0], (1e-6, Some(0.0)));
     let (status, said) = merge(&desk, &[&parts[..100], &parts[101..]].concat(), &["-o", "n.exr"]);
     assert!(status == 2 && said.contains("samples 199..200"), "{status}: {said}");
 }

@@ -345,7 +345,7 @@ fn a_camera_that_moves_is_a_world_that_moves_the_other_way() {
     assert!(rmse(&a, &still) > 10.0 * noise, "the motion shows");
 }
 
-/// A plate that turns from facing the viewer by this many degrees, about an axis that its middle stays on, seen there.
+/// A plate that turns from facing the viewer by [`TURN_DEG`], about an axis that its middle stays on, seen there.
 fn turning_plate(render: &str, material: &str, lights: &str) -> [f64; 3] {
     let scene = scene_of(&format!(
         r#"

@@ -4,14 +4,11 @@
 #[path = "support/scene.rs"]
 mod scene;
 
-use scene::scene_of;
 use specula::image::{Image, Window};
-use specula::render::{Rendered, Settings, Silent, Slice, render};
+use specula::render::{Rendered, Settings, Slice};
 
 fn rendered(text: &str) -> Rendered {
-    let rendered = render(&scene_of(text), &Settings::default(), &Silent).expect("a picture");
-    assert_eq!(rendered.film.non_finite().count(), 0, "samples that are not finite");
-    rendered
+    scene::rendered(text, &Settings::default())
 }
 
 /// Luminance, all pixels together.
@@ -123,8 +120,7 @@ fn roulette_from_the_first_edge_asks_nothing_of_empty_lanes() {
     for spp in [1, 3] {
         let text = room("roulette = 1").replace("SEED", "5").replace("spp = 128", &format!("spp = {spp}"));
         let settings = Settings { crop: Some(Window { x0: 0, y0: 0, x1: 5, y1: 5 }), ..Settings::default() };
-        let rendered = render(&scene_of(&text), &settings, &Silent).expect("a picture");
-        assert_eq!(rendered.film.samples(), 25 * spp, "all of them");
+        assert_eq!(scene::rendered(&text, &settings).film.samples(), 25 * spp, "all of them");
     }
 }
 
@@ -212,7 +208,7 @@ fn splitting_is_the_same_one_by_one_and_in_slices() {
         let keys = format!("query = \"{query}\"\n    path_splits = 5\n    sampler = \"blue_noise\"");
         let settings = Settings { slice, ..Settings::default() };
         let text = room(&keys).replace("SEED", "3").replace("spp = 128", "spp = 24");
-        sum(&render(&scene_of(&text), &settings, &Silent).expect("a picture").film.image())
+        sum(&scene::rendered(&text, &settings).film.image())
     };
     let (single, stream) = (of("single", None), of("stream", None));
     assert!((single / stream - 1.0).abs() < 3e-3, "{single} and {stream}");

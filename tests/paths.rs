@@ -3,18 +3,11 @@
 #[path = "support/scene.rs"]
 mod scene;
 
-use scene::scene_of;
-use specula::film::Film;
+use scene::{film, scene_in, scene_of};
 use specula::image::Image;
 use specula::math::Rgb;
-use specula::render::{Settings, Silent, render};
-use specula::scene::Scene;
 
-fn film(scene: &Scene) -> Film {
-    let film = render(scene, &Settings::default(), &Silent).expect("a picture").film;
-    assert_eq!(film.non_finite().count(), 0, "samples that are not finite");
-    film
-}
+use specula::scene::Scene;
 
 fn picture(scene: &Scene) -> Image {
     film(scene).image()
@@ -287,9 +280,7 @@ fn extremes_give_numbers() {
                 "film.width=64".to_owned(),
                 "film.height=36".to_owned(),
             ];
-            let loaded = specula::scene::load(&file, &settings).unwrap_or_else(|error| panic!("{error}"));
-            let built = specula::scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"));
-            let image = picture(&built.scene);
+            let image = picture(&scene_in(&file, &settings));
             let Rgb { r, .. } = mean(&image);
             assert!(r > 0.1 && r < 1.0, "{integrator}, {query}: a mean of {r}");
         }

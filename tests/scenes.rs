@@ -1,9 +1,13 @@
-//! The scenes of this repository: all load, build and give pictures without a complaint, and show what their first lines promise.
+//! The scenes of this repository: all load, build and give pictures without a complaint, and the ball of `through_r` shows what its first
+//! lines promise.
 
-use specula::film::{Aov, Film};
-use specula::render::{Settings, Silent, render};
+#[path = "support/scene.rs"]
+mod support;
+
+use specula::film::Aov;
 use specula::scene::{self, Scene};
 use std::path::{Path, PathBuf};
+use support::film;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
@@ -12,15 +16,11 @@ fn folder() -> PathBuf {
 /// A scene file with some values replaced; what is warned of is a failure.
 fn read(path: &Path, settings: &[String]) -> Scene {
     let name = path.display();
-    let loaded = scene::load(path, settings).unwrap_or_else(|error| panic!("{error}"));
+    let loaded = support::loaded(path, settings);
     assert_eq!(loaded.warnings, [], "{name}");
     let built = scene::build(&loaded.description).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(built.warnings, [], "{name}");
     built.scene
-}
-
-fn film(scene: &Scene) -> Film {
-    render(scene, &Settings::default(), &Silent).expect("a picture").film
 }
 
 #[test]
@@ -39,9 +39,7 @@ fn every_scene_gives_a_picture() {
         // 32 pixels wide, of the same shape.
         let small = [format!("film.width={}", 32), format!("film.height={}", (32 * height).div_ceil(width))];
         let scene = read(&path, &[&small[..], &["render.spp=4".to_owned()]].concat());
-        let film = film(&scene);
-        assert_eq!(film.non_finite().count(), 0, "{name}: samples that are not finite");
-        let image = film.image();
+        let image = film(&scene).image();
         let sum: f64 = image.pixels().iter().map(|pixel| f64::from(pixel.luminance())).sum();
         let mean = sum / image.pixels().len() as f64;
         println!("{name}: a mean of {mean:.3}");

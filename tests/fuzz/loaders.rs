@@ -1,4 +1,4 @@
-//! What is fuzzed: every loader, given any bytes, has an answer or a refusal, without a panic, within little time and memory.
+//! What is fuzzed: every loader, given any bytes, has an answer or a refusal, without a panic.
 //!
 //! Limits are tight, so that what is large is refused and not waited for. Shared by the fuzz targets and by `tests/fuzzed.rs`.
 

@@ -3,7 +3,8 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use assert_cmd::Command;
-use std::path::PathBuf;
+use specula::image::exr;
+use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
 /// A directory of its own, gone with the value.
@@ -32,9 +33,24 @@ impl Desk {
         (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
     }
 
+    /// All channels of a picture, as bits.
+    pub(crate) fn channels(&self, name: &str) -> Vec<(String, Vec<u32>)> {
+        let picture = exr::read(&self.path(name)).expect("readable");
+        let bits = |channel: exr::Channel| {
+            let bits = channel.samples.to_f32().iter().map(|x| x.to_bits()).collect();
+            (channel.name, bits)
+        };
+        picture.channels.into_iter().map(bits).collect()
+    }
+
     /// What is in the directory, in the order of the alphabet.
     pub(crate) fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.0.path()).expect("a directory");
+        Self::names_in(self.0.path())
+    }
+
+    /// What is in another directory.
+    pub(crate) fn names_in(folder: &Path) -> Vec<String> {
+        let entries = std::fs::read_dir(folder).expect("a directory");
         let name = |entry: std::io::Result<std::fs::DirEntry>| {
             entry.expect("an entry").file_name().to_string_lossy().into_owned()
         };

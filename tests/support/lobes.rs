@@ -150,7 +150,7 @@ impl Lobe {
             // Straight on more than the mean, which is one.
             (Bsdf::Glazed(_), Part::Matt) => 1.05,
             (Bsdf::Phong(over), Part::Above) => (over.lobe.exponent + 2.0) / (over.lobe.exponent + 1.0),
-            _ => self.radiance_scale().max(1.0),
+            _ => self.radiance_scale(),
         }
     }
 

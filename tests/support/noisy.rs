@@ -2,9 +2,6 @@
 
 #![allow(dead_code, reason = "each program uses a part")]
 
-use specula::film::Film;
-use specula::measure::{Errors, Pair};
-
 /// A scene by its kind.
 pub(crate) struct Noisy {
     pub(crate) name: &'static str,
@@ -216,10 +213,3 @@ edge_u = [0.5, 0.0, 0.0]
 edge_v = [0.0, 0.0, 0.5]
 radiance = 10.0
 "#;
-
-/// relMSE of a picture against another.
-pub(crate) fn relmse(picture: &Film, reference: &Film) -> f64 {
-    let pair =
-        Pair::new(picture.image().into(), reference.image().into(), ["picture", "reference"]).expect("alike");
-    Errors::of(&pair).expect("finite pixels").relmse
-}

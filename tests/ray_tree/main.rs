@@ -1,9 +1,10 @@
 //! The ray tree against answers known in closed form: deficits of a glass sphere in a white furnace by depth, the series of
 //! an ideal slab, parallel mirrors, Beer's law, media that nest; these with paths, too.
 
-#[path = "support/scene.rs"]
+#[path = "../support/scene.rs"]
 mod support;
-#[path = "support/tree.rs"]
+
+mod pruning;
 mod tree;
 
 use glam::Vec3;

@@ -1,16 +1,11 @@
 //! What cutting ray trees takes from pictures, predicted and measured, over depth and least throughput: a ball of glass in white light,
-//! and two mirrors that face each other. `cargo test --test pruning_bias -- --nocapture` prints the tables of
+//! and two mirrors that face each other. `cargo test --test ray_tree pruning -- --nocapture` prints the tables of
 //! `benches/record/pruning.md`.
 
-#[path = "support/scene.rs"]
-mod support;
-#[path = "support/tree.rs"]
-mod tree;
-
+use crate::support::scene_of;
+use crate::tree::{BALL_IN_FURNACE, at_angle, fresnel, mirrors, trace, whitted};
 use glam::Vec3;
 use specula::geometry::Ray;
-use support::scene_of;
-use tree::{BALL_IN_FURNACE, at_angle, fresnel, mirrors, trace, whitted};
 
 /// Interfaces that a path may meet.
 const INTERFACES: [u32; 6] = [2, 3, 4, 8, 16, 64];
@@ -87,6 +82,7 @@ fn a_ball_lacks_what_is_predicted_over_depth_and_throughput() {
 #[test]
 fn one_ray_lacks_what_is_predicted_to_rounding() {
     let scene = scene_of(BALL_IN_FURNACE);
+    let mut judged = 0;
     for angle in [0.0, 45.0, 60.0, 75.0, 80.0] {
         for interfaces in INTERFACES {
             for eps in LEAST {
@@ -106,9 +102,12 @@ fn one_ray_lacks_what_is_predicted_to_rounding() {
                     (deficit - predicted).abs() < allowed,
                     "{angle} {interfaces} {eps}: {deficit} {predicted}"
                 );
+                judged += 1;
             }
         }
     }
+    println!("{judged} of 150 cases");
+    assert!(judged >= 140, "only {judged} of 150 cases");
 }
 
 /// Of 1 / (1 - k), what walls of reflectance `k` lose that are seen `depth` times at most, and none that would carry less than `eps`.

@@ -1,9 +1,6 @@
 //! The command `plan`: who asks for what, what that takes and what leaving it out saves, what has no effect, and what is odd.
 
-#[path = "support/desk.rs"]
-mod desk;
-
-use desk::Desk;
+use crate::desk::Desk;
 use serde_json::Value;
 use specula::image;
 use specula::scene::needs::capability::Capability;
@@ -157,26 +154,15 @@ fn what_has_no_effect_is_told_by_plan_and_in_a_line_by_render() {
 }
 
 #[test]
-fn a_rendering_with_everything_is_the_same_picture() {
+fn what_is_switched_on_by_name_changes_no_bit() {
     let desk = desk();
     let picture = |name: &str, words: &[&str]| {
         let (status, _, stderr) = desk.run(&[&["render", "scene.toml", "-q", "-o", name], words].concat());
         assert_eq!(status, 0, "{stderr}");
         image::read(&desk.path(name)).expect("a picture").image
     };
-    let own = picture("own.exr", &[]);
-    for (name, words) in [("all.exr", "--no-specialise"), ("some.exr", "--no-specialise=mixes,media,pruning")]
-    {
-        let other = picture(name, &[words]);
-        let mut off = 0;
-        for (x, y) in (0..16).flat_map(|y| (0..24).map(move |x| (x, y))) {
-            let [a, b] = [own.pixel(x, y), other.pixel(x, y)].map(|p| [p.r, p.g, p.b]);
-            let apart = (0..3).map(|i| (a[i] - b[i]).abs()).fold(0.0, f32::max);
-            off += u32::from(apart > 1e-3 * b[1].abs() + 1e-4);
-        }
-        // Rays through instances that are not needed may fall to the other side of an edge.
-        assert!(off <= 16, "{words}: {off} pixels differ");
-    }
+    let some = picture("some.exr", &["--no-specialise=mixes,media,pruning"]);
+    assert!(some == picture("own.exr", &[]), "another picture");
     let (status, _, stderr) = desk.run(&["render", "scene.toml", "--no-specialise=lense"]);
     assert_eq!(status, 2, "{stderr}");
     assert!(stderr.contains("`lense` is nothing to switch on") && stderr.contains("lens"), "{stderr}");
@@ -213,5 +199,5 @@ fn oddities_have_places_numbers_and_remedies() {
         assert!(found.starts_with("scene.toml:") && found.contains("; "), "a place and a remedy: {found}");
     }
     let (_, _, stderr) = desk.run(&["render", "scene.toml", "-q", "-o", "a.exr", "--spp", "1"]);
-    assert!(!stderr.contains("needles"), "only `plan` looks at triangles: {stderr}");
+    assert!(!stderr.contains("needle"), "only `plan` looks at triangles: {stderr}");
 }

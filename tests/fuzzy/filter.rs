@@ -1,17 +1,9 @@
 //! The two-pass filter: what it is exactly right about, what it must never do, and what making it quick costs.
 
-#[path = "support/first_passes.rs"]
-#[expect(dead_code, reason = "the bench uses the rest")]
-mod first_passes;
-#[path = "support/fuzzy_edge.rs"]
-mod fuzzy_edge;
-#[path = "support/scene.rs"]
-mod support;
-
-use first_passes::{facing, odd};
-use fuzzy_edge::{edge, of_lobe, rendered};
+use crate::edge::{ball_on_floor, by_rays, edge, of_lobe};
+use crate::first_passes::{facing, odd};
+use crate::scene::rendered;
 use glam::Vec3;
-use specula::film::{Aov, Layout};
 use specula::image::Window;
 use specula::math::lanes::Level;
 use specula::post::{
@@ -77,7 +69,7 @@ fn the_filter_is_the_lobe_of_three_less() {
         assert!((of_lobe(f64::from(p) - 3.0, x0) - by_area).abs() < 1e-6, "that of three less");
         let (pitch, size) = grid(p, x0);
         let text = edge("glossy = \"two-pass\"\nspp = 1\nfuzzy.max_radius = 0", p, (x0, pitch, size));
-        let first = rendered(&text, Settings { first_pass: true, ..Settings::default() }).first_pass;
+        let first = rendered(&text, &Settings { first_pass: true, ..Settings::default() }).first_pass;
         let middle = size / 2;
         let window = Window { x0: middle, y0: middle, x1: middle + 1, y1: middle + 1 };
         for (correction, wanted) in
@@ -101,13 +93,7 @@ fn the_filter_is_the_lobe_of_three_less() {
 fn the_lobe_by_rays_agrees() {
     for (p, x0, by_area, _) in TABLE {
         let (pitch, size) = grid(p, x0);
-        let middle = size / 2;
-        let crop = Window { x0: middle, y0: middle, x1: middle + 1, y1: middle + 1 };
-        let text = edge("spp = 65536\nsampler = \"independent\"", p - 3.0, (x0, pitch, size));
-        let layout = Layout::with([Aov::Variance]);
-        let film = rendered(&text, Settings { crop: Some(crop), layout, ..Settings::default() }).film;
-        let of = |aov| f64::from(film.channels(aov).expect("kept")[0][0]);
-        let (found, deviation) = (of(Aov::Beauty), of(Aov::Variance).sqrt());
+        let (found, deviation) = by_rays("", p - 3.0, (x0, pitch, size));
         println!("p {} x0 {x0}: {found:.5} +- {deviation:.5}, the filter {by_area:.5}", p - 3.0);
         // Once in 4000 by chance for four rows.
         assert!((found - by_area).abs() < 4.0 * deviation, "{p} {x0}: {found} +- {deviation}, not {by_area}");
@@ -271,60 +257,15 @@ fn a_part_of_a_picture_is_as_in_the_whole() {
     }
 }
 
-/// Balls and a floor, small.
-const DESK: &str = r#"
-    [camera]
-    from = [0, 0.8, 3]
-    at = [0, 0.3, 0]
-    vfov_deg = 40
-    [film]
-    width = 64
-    height = 48
-    [render]
-    spp = 2
-    max_depth = 4
-    glossy = "two-pass"
-    fuzzy.max_radius = 24
-    [materials]
-    floor = { type = "glossy", exponent = 200, reflectance = 0.6, diffuse = 0.1 }
-    ball = { type = "glossy", exponent = 50, reflectance = [0.8, 0.6, 0.3] }
-    wall = { type = "diffuse", reflectance = { checker = [0.8, 0.1], repeat = [12, 6] } }
-    [[shapes]]
-    type = "rectangle"
-    edge_u = [4, 0, 0]
-    edge_v = [0, 0, -4]
-    material = "floor"
-    [[shapes]]
-    type = "rectangle"
-    center = [0, 1, -2]
-    edge_u = [4, 0, 0]
-    edge_v = [0, 1, 0]
-    material = "wall"
-    [[shapes]]
-    type = "sphere"
-    center = [0.2, 0.4, 0]
-    radius = 0.4
-    material = "ball"
-    [[lights]]
-    type = "rectangle"
-    center = [0, 2.5, 2]
-    edge_u = [0.5, 0, 0]
-    edge_v = [0, 0, 0.5]
-    radiance = 8
-    [[lights]]
-    type = "environment"
-    radiance = 0.3
-"#;
-
 #[test]
 fn pictures_do_not_depend_on_threads_or_crops() {
     for more in ["", "fuzzy.half = 4", "fuzzy.taps = 60", "fuzzy.pyramid = \"off\"", "fuzzy.pyramid = 3"] {
-        let text = DESK.replace("[materials]", &format!("{more}\n[materials]"));
+        let text = ball_on_floor(&format!("glossy = \"two-pass\"\nfuzzy.max_radius = 24\n{more}"));
         let threads = |n| Settings { threads: NonZeroUsize::new(n), ..Settings::default() };
-        let whole = rendered(&text, threads(1)).film;
-        assert!(whole == rendered(&text, threads(3)).film, "threads, {more}");
+        let whole = rendered(&text, &threads(1)).film;
+        assert!(whole == rendered(&text, &threads(3)).film, "threads, {more}");
         let crop = Window { x0: 37, y0: 9, x1: 60, y1: 31 };
-        let part = rendered(&text, Settings { crop: Some(crop), ..Settings::default() }).film;
+        let part = rendered(&text, &Settings { crop: Some(crop), ..Settings::default() }).film;
         let bits =
             |values: Vec<[f32; 3]>| -> Vec<_> { values.into_iter().map(|v| v.map(f32::to_bits)).collect() };
         assert_eq!(bits(whole.values(crop)), bits(part.values(crop)), "crop, {more}");
@@ -333,15 +274,14 @@ fn pictures_do_not_depend_on_threads_or_crops() {
 
 #[test]
 fn without_fuzzy_mirrors_it_is_the_tree() {
-    let text = DESK
-        .replace("\"glossy\"", "\"mirror\"")
-        .replace(", exponent = 200", "")
-        .replace(", exponent = 50", "");
-    let text = text.replace(", diffuse = 0.1", "");
     // One place on the film for all pixels: without a filter both are in their middle.
-    let text = text.replace("height = 48", "height = 48\nfilter = \"box\"\nfilter_radius = 1e-6");
-    let two = rendered(&text, Settings::default()).film;
-    let one = rendered(&text.replace("glossy = \"two-pass\"", ""), Settings::default()).film;
+    let text = ball_on_floor("glossy = \"two-pass\"\nfuzzy.max_radius = 24")
+        .replace("\"glossy\", exponent = 200", "\"mirror\"")
+        .replace("\"phong\", exponent = 60", "\"mirror\"")
+        .replace(", diffuse = 0.1", "")
+        .replace("filter = \"mitchell\"", "filter = \"box\"\nfilter_radius = 1e-6");
+    let two = rendered(&text, &Settings::default()).film;
+    let one = rendered(&text.replace("glossy = \"two-pass\"", ""), &Settings::default()).film;
     let (two, one) = (two.values(two.window()), one.values(one.window()));
     let differ =
         two.iter().flatten().zip(one.iter().flatten()).filter(|(a, b)| (**a - **b).abs() > 1e-4).count();

@@ -1,11 +1,9 @@
-//! Small scenes with files, and what programs make of them.
+//! Small scenes with files.
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use crate::desk::Desk;
 use image::RgbImage;
-use specula::image::exr;
-use std::process::{Child, Command, Stdio};
 
 /// A scene of a mesh whose materials name `inner.png`, a wall with `paint.png`, and a ball that `keys` may move, seen by a camera that moves.
 pub(crate) fn scene(keys: &str) -> String {
@@ -77,21 +75,4 @@ pub(crate) fn read(desk: &Desk, name: &str) -> Vec<u8> {
 /// A picture of one colour.
 pub(crate) fn paint(desk: &Desk, name: &str, color: [u8; 3]) {
     RgbImage::from_pixel(4, 4, image::Rgb(color)).save(desk.path(name)).expect("written");
-}
-
-/// All channels of a picture, as bits.
-pub(crate) fn channels(desk: &Desk, name: &str) -> Vec<(String, Vec<u32>)> {
-    let picture = exr::read(&desk.path(name)).expect("readable");
-    let bits = |channel: exr::Channel| {
-        let bits = channel.samples.to_f32().iter().map(|x| x.to_bits()).collect();
-        (channel.name, bits)
-    };
-    picture.channels.into_iter().map(bits).collect()
-}
-
-/// The program under way, its output kept.
-pub(crate) fn spawn(desk: &Desk, words: &[&str]) -> Child {
-    let mut command = Command::new(assert_cmd::cargo::cargo_bin("specula"));
-    command.args(words).current_dir(desk.path("."));
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("started")
 }

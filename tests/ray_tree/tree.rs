@@ -1,7 +1,5 @@
 //! Ray trees along single rays, in scenes with known answers.
 
-#![allow(dead_code, reason = "each program uses a part")]
-
 use glam::Vec3;
 use specula::accel::Brute;
 use specula::geometry::Ray;

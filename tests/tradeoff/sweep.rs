@@ -1,12 +1,7 @@
 //! The command `tradeoff`: a small sweep from end to end, gone on with after it was stopped; what is refused; and that noise falls as it must.
 
-#[path = "support/corner.rs"]
-mod corner;
-#[path = "support/desk.rs"]
-mod desk;
-
-use corner::corner;
-use desk::Desk;
+use crate::desk::Desk;
+use crate::place;
 use serde_json::Value;
 use specula::render::Silent;
 use specula::tradeoff::design::Design;
@@ -14,13 +9,6 @@ use specula::tradeoff::runs::{Bench, Sweep, Tally};
 use specula::tradeoff::{Reference, Subject, outcomes};
 use specula::trust::Trust;
 use std::fs;
-
-/// A desk with that scene.
-fn place(settings: &str) -> Desk {
-    let desk = Desk::new();
-    fs::write(desk.path("a.toml"), corner(settings)).expect("written");
-    desk
-}
 
 /// Few points, few samples.
 const SMALL: [&str; 10] = [
