@@ -224,10 +224,10 @@ fn files_of_overrides_are_seen_from_where_these_are_written() {
     models::paint(&desk, "late.png", [9, 9, 9]);
     let command = told(&desk, &summary);
     assert!(command.starts_with("cd sub && ") && desk.path("sub/a.exr").exists(), "{command}");
-    let alone = channels(&desk, "sub/a.exr");
+    let alone = desk.channels("sub/a.exr");
     let (status, _, said) = batch(&desk, &words);
     assert_eq!(status, 0, "{said}");
-    assert!(channels(&desk, "sub/a.exr") == alone, "the same picture");
+    assert!(desk.channels("sub/a.exr") == alone, "the same picture");
 }
 
 #[cfg(unix)]
