@@ -82,16 +82,10 @@ fn a_ball_lacks_what_is_predicted_over_depth_and_throughput() {
 #[test]
 fn one_ray_lacks_what_is_predicted_to_rounding() {
     let scene = scene_of(BALL_IN_FURNACE);
-    let mut judged = 0;
     for angle in [0.0, 45.0, 60.0, 75.0, 80.0] {
         for interfaces in INTERFACES {
             for eps in LEAST {
                 let r = fresnel(angle, 1.5);
-                // Not where a way carries just about the limit.
-                let near = |eps: f64| lost_in_ball(r, interfaces, eps);
-                if near(eps * (1.0 - 1e-3)).to_bits() != near(eps * (1.0 + 1e-3)).to_bits() {
-                    continue;
-                }
                 #[expect(clippy::cast_possible_truncation, reason = "a knob")]
                 let tree = whitted(interfaces + 1, eps as f32);
                 let (found, _) = trace(&scene, tree, at_angle(angle), 0);
@@ -102,12 +96,9 @@ fn one_ray_lacks_what_is_predicted_to_rounding() {
                     (deficit - predicted).abs() < allowed,
                     "{angle} {interfaces} {eps}: {deficit} {predicted}"
                 );
-                judged += 1;
             }
         }
     }
-    println!("{judged} of 150 cases");
-    assert!(judged >= 140, "only {judged} of 150 cases");
 }
 
 /// Of 1 / (1 - k), what walls of reflectance `k` lose that are seen `depth` times at most, and none that would carry less than `eps`.

@@ -54,21 +54,20 @@ fn frozen(description: &Description, wanted: &Wanted) -> Scene {
     scene::build_for(description, wanted).unwrap_or_else(|error| panic!("{error}")).scene
 }
 
-/// Of the 1296 pixels of a picture, twice as many as have been found to be apart.
-const FEW: usize = 130;
-
-/// Why pictures are not the same to rounding, if they are not: but for few pixels, on whose edges rays fall to the other side, and whose
-/// chains of mirrors and glass make much of a little, colours differ by less than a part in a thousand.
-#[expect(clippy::print_stdout, reason = "the counts found are printed, so that the bound can be revised")]
-fn apart(what: &str, found: &Film, wanted: &Film) -> Option<String> {
+/// Why pictures are not the same to rounding, if they are not: but for few pixels, on whose edges rays fall to the other side, colours differ
+/// by less than a part in a thousand. Where chains of mirrors and glass make much of a little there are more.
+#[expect(clippy::print_stdout, reason = "the counts found are printed, so that the bounds can be revised")]
+fn apart(name: &str, with: &str, found: &Film, wanted: &Film) -> Option<String> {
+    // Of 1296 pixels; found are 97 and 2.
+    let few = if name == "ray_tree" { 129 } else { 8 };
     let (found, wanted) = (found.image(), wanted.image());
     let off = pictures::differing(&found, &wanted, 1e-3, 1e-4);
     let [found, wanted] = [found, wanted].map(|image| {
         image.pixels().iter().map(|p| f64::from(p.r) + f64::from(p.g) + f64::from(p.b)).sum::<f64>()
     });
-    let told = format!("{what}: {off} pixels differ, a light of {found} for {wanted}");
+    let told = format!("{name} with {with}: {off} pixels differ, a light of {found} for {wanted}");
     println!("{told}");
-    (off > FEW || (found - wanted).abs() > 5e-3 * wanted).then_some(told)
+    (off > few || (found - wanted).abs() > 5e-3 * wanted).then_some(told)
 }
 
 /// How many values differ in any bit.
@@ -97,16 +96,15 @@ fn whatever_is_switched_on_the_picture_stays() {
         for capability in Capabilities::forceable().iter().filter(|it| !plain.requires(*it)) {
             let forced = Capabilities::NONE.with(capability);
             let found = film(&frozen(&description, &Wanted { forced, ..Wanted::default() }));
-            let what = format!("{name} with {}", capability.name());
             let differing = differing(&found, &wanted);
             if TO_ROUNDING.contains(&capability) {
-                wrong.extend(apart(&what, &found, &wanted));
+                wrong.extend(apart(name, capability.name(), &found, &wanted));
             } else if differing > 0 {
-                wrong.push(format!("{what}: {differing} values differ"));
+                wrong.push(format!("{name} with {}: {differing} values differ", capability.name()));
             }
         }
         let everything = film(&frozen(&description, &Wanted::default().unspecialised()));
-        wrong.extend(apart(&format!("{name} with everything"), &everything, &wanted));
+        wrong.extend(apart(name, "everything", &everything, &wanted));
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }

