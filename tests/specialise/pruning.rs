@@ -6,11 +6,9 @@ use specula::geometry::Shape;
 use specula::material::Scattering;
 use specula::scene::needs::capability::Capability;
 use specula::scene::pruned::Ineffective;
-use specula::scene::{self, Built, Library, Needs, Pruned, Wanted};
-use specula::trust::Trust;
+use specula::scene::{self, Built, Needs, Pruned, Wanted};
 use std::fs;
 use std::path::Path;
-use std::sync::Arc;
 
 /// A gray picture of one shade, and one of two.
 fn pictures(folder: &Path) {
@@ -134,11 +132,8 @@ fn both() -> [Built; 2] {
     let path = folder.path().join("scene.toml");
     fs::write(&path, SCENE).expect("a scene");
     let description = loaded::<&str>(&path, &[]).description;
-    // What a library keeps of pictures is not in the scene for that.
-    let from = (&Trust::default(), &Arc::new(Library::of_bytes(1 << 20)));
-    [Wanted::anything(), Wanted::default()].map(|wanted| {
-        scene::build_from(&description, &wanted, from).unwrap_or_else(|error| panic!("{error}"))
-    })
+    [Wanted::anything(), Wanted::default()]
+        .map(|wanted| scene::build_for(&description, &wanted).unwrap_or_else(|error| panic!("{error}")))
 }
 
 #[test]
@@ -186,12 +181,27 @@ fn everything_without_effect_is_told_with_its_place() {
 }
 
 #[test]
+fn what_a_library_keeps_is_not_in_the_scene_for_that() {
+    let folder = tempfile::tempdir().expect("a folder");
+    pictures(folder.path());
+    let path = folder.path().join("scene.toml");
+    let flat = "[materials.flat]\ntype = \"diffuse\"\nreflectance = { file = \"flat.png\" }\n";
+    fs::write(&path, format!("{flat}[[shapes]]\ntype = \"sphere\"\nmaterial = \"flat\"\n")).expect("a scene");
+    let description = loaded::<&str>(&path, &[]).description;
+    let library = std::sync::Arc::new(scene::Library::of_bytes(1 << 20));
+    let from = (&specula::trust::Trust::default(), &library);
+    let built = scene::build_from(&description, &Wanted::default(), from).expect("a scene");
+    assert!(library.bytes() > 0, "the picture is kept");
+    assert!(built.scene.textures.is_empty(), "of one colour");
+}
+
+#[test]
 fn light_by_a_pattern_stays_one() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.toml");
     let lamp = "[materials.lamp]\ntype = \"emission\"\nradiance = { checker = [0.5, 0.5] }\n";
     fs::write(&path, format!("{lamp}[[shapes]]\ntype = \"sphere\"\nmaterial = \"lamp\"\n")).expect("a scene");
-    let description = scene::load(&path, &[]).unwrap_or_else(|error| panic!("{error}")).description;
+    let description = loaded::<&str>(&path, &[]).description;
     for wanted in [Wanted::anything(), Wanted::default()] {
         let error = scene::build_for(&description, &wanted).expect_err("a ball").to_string();
         assert!(error.contains("only meshes and rectangles can emit light by a texture"), "{error}");
