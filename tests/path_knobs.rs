@@ -179,7 +179,7 @@ fn splitting_changes_no_mean() {
     for keys in [
         "max_depth = 24",
         "max_depth = 2",
-        "max_depth = 3\n    direct = \"lights\"",
+        "max_depth = 3\n    direct = \"light\"",
         "max_depth = 3\n    direct = \"lobes\"",
     ] {
         let of = |spp: u32, splits: u32| {
