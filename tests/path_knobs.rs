@@ -180,7 +180,7 @@ fn splitting_changes_no_mean() {
         "max_depth = 24",
         "max_depth = 2",
         "max_depth = 3\n    direct = \"light\"",
-        "max_depth = 3\n    direct = \"lobes\"",
+        "max_depth = 3\n    direct = \"bsdf\"",
     ] {
         let of = |spp: u32, splits: u32| {
             let keys = format!("{keys}\n    path_splits = {splits}");
