@@ -186,6 +186,7 @@ fn splitting_changes_no_mean() {
             let keys = format!("{keys}\n    path_splits = {splits}");
             room(&keys)
                 .replace("spp = 128", &format!("spp = {spp}"))
+                .replace("edge_u = [0.7", "edge_u = [1.6")
                 .replace("    max_depth = 24\n    seed", "    seed")
         };
         same_mean(keys, [&of(128, 1), &of(48, 3)]);
