@@ -5,11 +5,12 @@
 //! presets take from the record that is compiled in is printed at the end.
 //!
 //! How much is rendered follows from what is to be known. Settings are taken for an error where their bias^2 is at most a quarter of it to the end of its
-//! interval: 2.5e-4 for `final`. Of K runs half of that interval is about t sqrt(2 / (K (K - 1))) V / sqrt(n): t is Student's of K - 1 degrees, V the
-//! variance at the most samples, and n the number of pixels that carry the noise, say a fifth of 3600. Eight runs make it 2.36 x 0.19 x V / 27 = 0.017 V,
-//! a fifth more with what fewer samples say, and together with the noise of a reference of 512 samples 0.021 V: `final` is decided where V is below 1.2e-2
-//! at 32 samples (three runs: below 2.3e-3), `reference`, 2.5e-5, only where it is below 1.2e-3. That takes 6 settings x 8 runs x (2 + 8 + 32) + 512 =
-//! 2528 samples of 3600 pixels of 11 scenes, 100 million in all: 200 to 500 seconds of the processor at 2 to 5 microseconds each.
+//! interval: 2.5e-3 for `preview`, 2.5e-4 for `final`. Of K runs half of that interval is about t sqrt(2 / (K (K - 1))) V / sqrt(n): t is Student's of
+//! K - 1 degrees, V the variance at the most samples, and n the number of pixels that carry the noise. Eight runs make it 2.36 x 0.19 V / sqrt(n) = 0.45 V /
+//! sqrt(n) (three runs: 2.5); with what fewer samples say and the noise of the reference it came out as 0.02 to 0.19 V, so n is from 6 to 500 of 3600. The
+//! noisiest scene, `depth_of_field`, has V = 2e-2 and 2e-3 of half an interval, so `draft` and `preview` are decided in all scenes. That takes 6 settings x
+//! 8 runs x (2 + 8 + 32) + 512 = 2528 samples of 3600 pixels of 11 scenes, 100 million in all: 280 seconds of the processor. For `final` it would have to be
+//! an eighth: twice the runs of four times the samples, some 35 minutes. So scenes keep their own settings there, and for `reference`.
 
 #![expect(clippy::print_stdout, reason = "a report for whoever runs it")]
 
