@@ -3,8 +3,8 @@
 //! A preset is an error that is good enough. Which settings reach it soonest is taken from `presets.json`, curves of settings of scenes
 //! (`benches/presets.rs` measures them, `benches/record/presets.md` tells of which): of settings that every scene there of the integrator's kind was
 //! measured with, and whose bias is small beside the error to the end of its interval, the ones that take the least part of the time that the scene's own
-//! settings take, in the geometric mean. Where there are none, those of the scene stay. How many samples that is in a scene, a
-//! [`super::pilot::Pilot`] finds.
+//! settings take, in the geometric mean, if that is less than clocks are off by. Where there are none, those of the scene stay. How many samples that
+//! is in a scene, a [`super::pilot::Pilot`] finds.
 
 use super::curve::Curve;
 use super::student::Interval;
@@ -109,6 +109,9 @@ pub type Fits<'a> = dyn Fn(&[(String, String)]) -> bool + 'a;
 /// The part of the wanted error that bias may be, to the end of its interval.
 const BIAS: f64 = 0.25;
 
+/// The part of the time below which settings are worth it: pictures that are the same bit for bit differ by up to 0.15 in the record.
+const WORTH: f64 = 0.8;
+
 /// Scenes, each with curves of settings.
 #[derive(Clone, Debug, Default)]
 struct Record(Vec<(Kind, Vec<Curve>)>);
@@ -137,6 +140,7 @@ impl Record {
             self.0.iter().filter(|(of, _)| *of == kind).map(|(_, all)| all).collect();
         let sets = scenes.first()?.iter().map(|curve| &curve.set).filter(|set| fits(set));
         let all = sets.filter_map(|set| advice_of(set, target, &scenes));
+        let all = all.filter(|it| it.set.is_empty() || it.gain < WORTH);
         all.min_by(|a, b| a.gain.total_cmp(&b.gain))
     }
 }
@@ -255,6 +259,17 @@ mod tests {
         assert!(advised(1e-4, Some(1e-3)), "small for certain");
         assert!(!advised(0.0, Some(3e-3)), "it may be as large as that, whatever was found");
         assert!(!advised(0.0, None), "it may be anything");
+    }
+
+    #[test]
+    fn settings_that_gain_no_more_than_clocks_are_off_are_not_advised() {
+        let set = [("render.a", "1")];
+        let advised = |pace_s| {
+            let record =
+                Record(vec![(Kind::Tree, vec![curve(&[], 0.0, 1.0, 1.0), curve(&set, 0.0, pace_s, 1.0)])]);
+            !record.advice(Kind::Tree, 1e-2, &|_| true).expect("advice").set.is_empty()
+        };
+        assert!(advised(0.7) && !advised(0.9), "a tenth may be chance");
     }
 
     #[test]
