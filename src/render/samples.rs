@@ -137,7 +137,7 @@ impl<S: Isa> Kernel<S> for Begin<'_> {
                 let index = Wrapping::<u32>::wrapping_add(isa.iota(), number);
                 let sampler = plan.start(
                     pixel,
-                    if ways == 1 { index } else { isa.per_lane_u32(|lane| (number + lane as u32) / ways) },
+                    if ways == 1 { index } else { isa.per_lane_u32(|lane| index.extract(lane) / ways) },
                 );
                 let CameraSamples { weight, o, d, time } = plan.camera_samples(pixel, &sampler);
                 let taken = ((count - skipped) as usize).min(S::WIDTH);

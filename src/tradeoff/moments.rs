@@ -362,7 +362,7 @@ mod tests {
         let bright = picture(0.5, 0.0, 0);
         let product = measure.product(&bright, &bright);
         assert!((product.value - 0.25 / 1.01).abs() < 1e-6 && product.cross.abs() < 1e-12, "{product:?}");
-        assert_eq!(measure.floor(), [0.0; 2], "nothing is known of its noise");
+        assert!(measure.floor().iter().all(|x| x.to_bits() == 0), "nothing is known of its noise");
     }
 
     #[test]

@@ -90,11 +90,15 @@ fn only_of<F: Lanes>(mask: F::Mask, [u, v]: [F; 2]) -> [F; 2] {
 }
 
 impl<S: Isa> Asked<S> {
-    /// The same for so many paths with the same vertex, of which only those of the mask ask.
+    /// The same for so many paths with the same vertex, of which only the first asks.
     #[inline(always)]
-    pub(super) fn for_all(self, mask: S::M, ways: f32) -> Self {
-        let part = 1.0 / ways;
-        Self { pdf: self.pdf * part, shared_pdf: self.shared_pdf * part, valid: self.valid & mask, ..self }
+    pub(super) fn for_all(self, isa: S, slots: S::I, ways: u32) -> Self {
+        if ways == 1 {
+            return self;
+        }
+        let part = 1.0 / ways as f32;
+        let leads = isa.per_lane(|lane| if slots.extract(lane) % ways == 0 { 1.0 } else { 0.0 }).gt(0.0);
+        Self { pdf: self.pdf * part, shared_pdf: self.shared_pdf * part, valid: self.valid & leads, ..self }
     }
 
     #[inline(always)]

@@ -17,7 +17,7 @@ use crate::light::{Arriving, Emitter, Environment, Reference};
 use crate::material::{Material, Media};
 use crate::math::lanes::{Bits, Compare, IntLanes, Isa, Kernel, Lanes, MaskLanes, Select, WIDEST};
 use crate::math::{Rgb, Vec3};
-use crate::sampling::{Dim, Sampler, SamplerKind, Vertex, heuristic};
+use crate::sampling::{AnySampler, Dim, Sampler, SamplerKind, Vertex, heuristic};
 use crate::scene::Scene;
 use crate::texture::Spot;
 
@@ -46,6 +46,18 @@ pub(super) struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// The numbers of paths.
+    #[inline(always)]
+    fn numbers<S: Isa>(&self, isa: S, slots: &Slots, names: S::I) -> AnySampler<S::I> {
+        let pixel = [slots.pixel_of(isa, 0, names), slots.pixel_of(isa, 1, names)];
+        self.sampler.start(self.seed, pixel, isa.gather_u32(slots.index.all(), names))
+    }
+
+    /// How many paths of a sample part where their edges of this number end.
+    fn ways_from(&self, depth: u32) -> u32 {
+        if depth == 1 { self.ways } else { 1 }
+    }
+
     /// Whether asking lights has all that the ways on from here would find: they are the last ones, and nothing keeps rays towards
     /// lights from where paths get to, as surfaces hidden by media do.
     fn asks_for_all(&self, depth: u32) -> bool {
@@ -118,14 +130,9 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         let normals = [met.points.ng, met.points.ns];
         let tangent = tangents(isa, around, packet, &met);
         let shading = Shading::seen(wo, normals, tangent);
-        let pixel = [slots.pixel_of(isa, 0, lanes.slot), slots.pixel_of(isa, 1, lanes.slot)];
-        let index = isa.gather_u32(slots.index.all(), lanes.slot);
-        let sampler = around.sampler.start(around.seed, pixel, index);
-        let mut light = asked(isa, around, (&met, &shading), (&sampler, vertex));
-        let parts = depth == 1 && around.ways > 1;
-        if parts {
-            light = light.for_all(leads(isa, lanes.slot, around.ways), around.ways as f32);
-        }
+        let (sampler, ways) = (around.numbers(isa, slots, lanes.slot), around.ways_from(depth));
+        let light = asked(isa, around, (&met, &shading), (&sampler, vertex));
+        let light = light.for_all(isa, lanes.slot, ways);
         let choice =
             if around.surfaces.choices { sampler.get_1d(Dim::LobeChoice, vertex) } else { isa.splat(0.0) };
         let question = Question {
@@ -149,7 +156,7 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
             found.step.valid = found.step.valid & !unshared;
             ask_sky(isa, (shadows, guards), &at, (&found.step, unshared));
         }
-        let mut next = go_on(isa, (guards, to), &at, found.step);
+        let next = go_on(isa, (guards, to), &at, found.step);
         counters.bounced += next.goes.count() as u64;
         if around.surfaces.media {
             cross(slots, lanes.slot, next.goes & found.step.crosses, beyond);
@@ -157,19 +164,9 @@ impl<S: Isa, const N: usize> Kernel<S> for Chunk<'_, N> {
         if let (Some(beam), Some((cone, length))) = (around.beam, cone) {
             paths.widen(to, next.goes, beam.scattered(cone, length, next.pdf));
         }
-        if parts {
-            // As likely as that is the light of one question to be found by any of them.
-            next.pdf = next.pdf * around.ways as f32;
-        }
         let normals = if around.lights.uses_normals() { Some(shading.frame.z) } else { None };
-        next.store(paths, to, (&lanes, normals))
+        next.store(paths, to, (&lanes, normals), ways)
     }
-}
-
-/// The lanes with the first of the paths of their sample.
-#[inline(always)]
-fn leads<S: Isa>(isa: S, slots: S::I, ways: u32) -> S::M {
-    isa.per_lane(|lane| if slots.extract(lane) % ways == 0 { 1.0 } else { 0.0 }).gt(0.0)
 }
 
 /// The lanes' paths.
@@ -424,13 +421,20 @@ fn go_on<S: Isa, const N: usize>(
 impl<S: Isa> Next<S> {
     /// Packs them to `to` and on; how many there are.
     #[inline(always)]
-    fn store(self, paths: &mut Paths, to: usize, (lanes, normals): (&State<S>, Option<Vec3<S::F>>)) -> usize {
+    fn store(
+        self,
+        paths: &mut Paths,
+        to: usize,
+        (lanes, normals): (&State<S>, Option<Vec3<S::F>>),
+        ways: u32,
+    ) -> usize {
         if let Some(n) = normals {
             paths.normal.pack(to, self.goes, n);
         }
         paths.rays.pack(to, self.goes, (self.o, self.d, lanes.time, lanes.slot));
         paths.beta.pack(to, self.goes, Vec3::new(self.beta.r, self.beta.g, self.beta.b));
-        paths.pdf.store(to, self.pdf.compress(self.goes));
+        // Light that is asked for once is found by any of these ways.
+        paths.pdf.store(to, (self.pdf * ways as f32).compress(self.goes));
         self.goes.count()
     }
 }

@@ -77,9 +77,13 @@ fn root(node: &mut Node, is_file: bool) -> bool {
                 true
             })
         }
-        Content::Array(items) => items.iter_mut().fold(false, |any, item| root(item, false) || any),
+        // All of them, also after the first.
+        Content::Array(items) => {
+            items.iter_mut().filter_map(|item| root(item, false).then_some(())).count() > 0
+        }
         Content::Table(entries) => {
-            entries.iter_mut().fold(false, |any, Entry { key, node, .. }| root(node, key == FILE) || any)
+            let found = entries.iter_mut().filter_map(|it| root(&mut it.node, it.key == FILE).then_some(()));
+            found.count() > 0
         }
         _ => false,
     }
