@@ -31,14 +31,20 @@ pub struct Best {
     pub is_far: bool,
 }
 
-/// What to take for each of these errors.
+/// The part of the time of the scene's own settings below which others are worth it: less may be chance, for runs of a point differ by some per cent.
+const WORTH: f64 = 0.9;
+
+/// What to take for each of these errors: the scene's own settings, where no others are quicker by more than chance.
 #[must_use]
 pub fn recommend(outcomes: &[Outcome], targets: &[f64]) -> Vec<Recommendation> {
     let curves = Curve::all(outcomes);
     let least_bias2 = curves.iter().map(|curve| curve.bias2).min_by(f64::total_cmp);
     let of = |&target: &f64| {
-        let reached = curves.iter().filter_map(|curve| best(curve, target, outcomes));
-        let best = reached.min_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
+        let reached: Vec<Best> = curves.iter().filter_map(|curve| best(curve, target, outcomes)).collect();
+        let plain = reached.iter().find(|it| it.set.is_empty());
+        let quickest = reached.iter().min_by(|a, b| a.cpu_s.total_cmp(&b.cpu_s));
+        let is_worth_it = |it: &&Best| plain.is_none_or(|plain| it.cpu_s < WORTH * plain.cpu_s);
+        let best = quickest.filter(is_worth_it).or(plain).cloned();
         Recommendation { target, best, least_bias2 }
     };
     targets.iter().map(of).collect()
@@ -91,6 +97,17 @@ mod tests {
         assert_eq!((best(1).name.as_str(), best(1).spp, best(1).is_far), ("", 100, false), "{found:?}");
         assert_eq!(found[2].best, None, "beyond the most samples");
         assert!(found[2].least_bias2.is_some_and(|least| least.abs() < 1e-12), "no bias");
+        let outcomes = [
+            outcome("", 10, [2.0, 0.0, 1e-2]),
+            outcome("", 40, [8.0, 0.0, 2.5e-3]),
+            outcome("idle", 10, [1.9, 0.0, 1e-2]),
+            outcome("idle", 40, [7.6, 0.0, 2.5e-3]),
+        ];
+        assert_eq!(
+            recommend(&outcomes, &[1e-3])[0].best.clone().expect("reached").name,
+            "",
+            "a twentieth is chance"
+        );
         let mut alone = outcome("", 10, [2.0, 0.0, 1e-2]);
         (alone.moments.bias2, alone.moments.variance) = (None, None);
         assert_eq!(recommend(&[alone], &[1e-2])[0].least_bias2, None, "nothing is known");
