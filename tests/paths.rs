@@ -267,6 +267,57 @@ fn paths_and_trees_agree_where_both_have_all_of_the_light() {
     }
 }
 
+/// Points of large triangles are known to a part of their size, and rays start as far off: they must not end behind a lamp for that.
+#[test]
+fn a_lamp_over_a_large_floor_lights_it() {
+    let scene = |integrator: &str, edge: f32| {
+        scene_of(&format!(
+            r#"
+            [camera]
+            from = [0.0, 1.5, 4.0]
+            at = [0.0, 0.0, 0.0]
+            vfov_deg = 35.0
+            [film]
+            width = 16
+            height = 12
+            filter = "box"
+            [render]
+            integrator = "{integrator}"
+            spp = 256
+            max_depth = 2
+            [materials.matt]
+            type = "diffuse"
+            reflectance = 0.5
+            [materials.lamp]
+            type = "emission"
+            radiance = 5.0
+            [[shapes]]
+            type = "rectangle"
+            edge_u = [0.0, 0.0, {edge:?}]
+            edge_v = [{edge:?}, 0.0, 0.0]
+            material = "matt"
+            [[shapes]]
+            type = "rectangle"
+            center = [0.0, 2.0, 0.0]
+            edge_u = [1.0, 0.0, 0.0]
+            edge_v = [0.0, 0.0, 1.0]
+            material = "lamp"
+            "#
+        ))
+    };
+    let expected = mean(&picture(&scene("whitted", 20.0))).g;
+    assert!(expected > 0.1, "{expected}");
+    for integrator in ["path", "whitted"] {
+        for edge in [20.0, 2e3, 2e4] {
+            let found = mean(&picture(&scene(integrator, edge))).g;
+            assert!(
+                (found - expected).abs() < 0.01 * expected,
+                "{integrator}, floor of {edge} m: {found}, not {expected}"
+            );
+        }
+    }
+}
+
 /// A few samples of what `benches/record/extremes.md` tells of a hundred million.
 #[test]
 fn extremes_give_numbers() {

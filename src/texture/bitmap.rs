@@ -30,6 +30,8 @@ pub struct Bitmap {
     starts: Vec<u32>,
     widths: Vec<f32>,
     heights: Vec<f32>,
+    /// Of all texels, never rounded.
+    mean: [f32; 4],
     has_alpha: bool,
 }
 
@@ -76,6 +78,7 @@ impl Bitmap {
             starts: vec![0],
             widths: vec![size(width)],
             heights: vec![size(height)],
+            mean: [0.0; 4],
             has_alpha: raster.has_alpha,
         };
         let (curve, straight) = (curve(space), curve(Space::Linear));
@@ -110,7 +113,9 @@ impl Bitmap {
             }
         };
         let mut texels = width * height;
+        bitmap.mean = bitmap.texel(0);
         while let Some(next) = level {
+            bitmap.mean = next.values[0];
             bitmap.starts.push(u32::try_from(bitmap.aligned(&mut texels)).unwrap_or(u32::MAX));
             bitmap.widths.push(size(next.width));
             bitmap.heights.push(size(next.height));
@@ -203,11 +208,10 @@ impl Bitmap {
         found
     }
 
-    /// The mean of all texels: red, green, blue and coverage.
+    /// The mean of all texels, not rounded as the smallest level is: red, green, blue and coverage.
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {
-        let last = u32::try_from(self.levels() - 1).unwrap_or(0);
-        self.texel::<f32>(self.starts[last as usize])
+        self.mean
     }
 
     /// Width and height of the level of each lane.
@@ -423,6 +427,13 @@ mod tests {
         let [r, _, _, a] = map.mean();
         assert!((r - 0.5).abs() < 4e-3, "half the light, not half the byte: {r}");
         assert!((a - 0.5).abs() < 2e-3, "coverage has no curve: {a}");
+    }
+
+    #[test]
+    fn the_mean_of_a_dark_picture_is_no_byte() {
+        let map = bytes(256, 256, Space::Srgb, |x, y| if x < 2 && y < 3 { [255; 4] } else { [0, 0, 0, 255] });
+        let [r, ..] = map.mean();
+        assert!((r * 65536.0 / 6.0 - 1.0).abs() < 1e-5, "{r}");
     }
 
     #[expect(clippy::float_cmp, reason = "the same byte")]

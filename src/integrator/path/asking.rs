@@ -166,9 +166,7 @@ pub(super) fn ask_lights<S: Isa, const N: usize>(
     let cos = question.light.z;
     let carried = at.lanes.beta * lit * light.li * (cos / light.pdf);
     let wanted = light.valid & cos.gt(0.0) & at.met.hit;
-    let d = Vec3::select(light.infinite, light.wi, light.p - at.met.points.p);
-    let end = S::F::select(light.infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
-    queue(queues, at, (&Towards { d, wi: light.wi, end, carried }, wanted));
+    queue(isa, queues, at, (&Towards { wi: light.wi, p: light.p, infinite: light.infinite, carried }, wanted));
 }
 
 /// Queues rays of the last ways on towards an environment that is the same all around, which is not asked.
@@ -183,33 +181,37 @@ pub(super) fn ask_sky<S: Isa, const N: usize>(
     let Some(radiance) = environment.constant() else { return };
     let wi = at.shading.to_world(step.wi);
     let carried = at.lanes.beta * step.weight * Rgb::splat(isa.splat(0.0), radiance);
-    let end = isa.splat(f32::INFINITY);
-    queue(queues, at, (&Towards { d: wi, wi, end, carried }, wanted));
+    queue(isa, queues, at, (&Towards { wi, p: wi, infinite: isa.splat_mask(true), carried }, wanted));
 }
 
 /// Rays towards lights above their surfaces.
-struct Towards<F> {
-    d: Vec3<F>,
-    /// The same as a unit vector.
+struct Towards<F: Lanes> {
+    /// Unit direction from the point of the surface.
     wi: Vec3<F>,
-    end: F,
+    /// Where they end, unless at infinity.
+    p: Vec3<F>,
+    infinite: F::Mask,
     carried: Rgb<F>,
 }
 
 #[inline(always)]
 fn queue<S: Isa, const N: usize>(
+    isa: S,
     (shadows, guards): (&mut Shadows, &mut Guards),
     at: &Here<'_, S, N>,
     (way, wanted): (&Towards<S::F>, S::M),
 ) {
     let (points, lanes) = (&at.met.points, at.lanes);
-    let Towards { d, wi, end, carried } = *way;
+    let Towards { wi, p, infinite, carried } = *way;
     let wanted = wanted & !carried.is_black();
     if wanted.none() {
         return;
     }
     let straight = wi.dot(at.shading.ng).gt(0.0);
-    let o = spawn::origin(points.p, points.p_error, points.ng, d);
+    let o = spawn::origin(points.p, points.p_error, points.ng, wi);
+    // From where the ray starts: as long as from the surface, it would end behind a light that is near.
+    let d = Vec3::select(infinite, wi, p - o);
+    let end = S::F::select(infinite, isa.splat(f32::INFINITY), isa.splat(spawn::SHADOW_REACH));
     let (to, sent) = (shadows.rays.len, wanted & straight);
     shadows.rays.pack(to, sent, (o, d, lanes.time, lanes.slot));
     shadows.end.store(to, end.compress(sent));
@@ -218,8 +220,7 @@ fn queue<S: Isa, const N: usize>(
     // The others are below the true surface: they start from the smooth one, or not at all.
     for lane in Bits((wanted & !straight).bits()) {
         let Some(Lifted { ray, guard }) = at.lifted(lane, wi, false) else { continue };
-        let end = end.extract(lane);
-        let ray = if end.is_finite() { ray.towards((points.p + d).extract(lane).into()) } else { ray };
+        let ray = if infinite.extract(lane) { ray } else { ray.towards(p.extract(lane).into()) };
         guards.0.push((guard, Guarded::Shadow(shadows.rays.len)));
         shadows.push(&ray, lanes.slot.extract(lane), carried.extract(lane));
     }
