@@ -2,8 +2,8 @@
 
     python3 benches/predicted.py target/release/specula [FOLDER]
 
-For each scene two long references, whose noise is taken out of errors, pictures by presets, and one for a budget by a sweep of the scene; errors by
-`specula diff`. Prints a table in Markdown; files stay in FOLDER where one is named, and references there are used again.
+For each scene two long references, whose noise is taken out of errors, pictures by presets, and for a budget by a first look and by a sweep of the scene;
+errors by `specula diff`. Prints a table in Markdown; files stay in FOLDER where one is named, and references there are used again.
 """
 
 import json
@@ -61,13 +61,15 @@ def table(specula, folder):
             if kind == "tree":
                 knobs += ["--knob", "min_throughput=1e-3,1e-2"]
             run(specula, "tradeoff", scene, "-q", *SIZE, *more, *knobs, "--keep", sweep, "-t", "2")
-        for asked in (["--preset", "preview"], ["--preset", "final"], ["--budget", BUDGET, "--tradeoff", sweep]):
+        budget = ["--budget", BUDGET]
+        for asked in (["--preset", "preview"], ["--preset", "final"], budget, [*budget, "--tradeoff", sweep]):
             picture, stats = folder / "a.exr", folder / "a.json"
             run(specula, "render", scene, "-q", *SIZE, *more, *asked, "-o", picture, "--stats", stats)
             cost = json.loads(stats.read_text())["cost"]
             found = sum(relmse(specula, picture, reference) for reference in references) / 2 - noise
             said, came = cost["predicted"], cost["achieved"]
-            cells = [f"{name}, {kind}", " ".join(asked[:2]).replace("--", ""), came["spp"]]
+            how = " ".join(asked[:2]).replace("--", "") + (", by a sweep" if len(asked) > 2 else "")
+            cells = [f"{name}, {kind}", how, came["spp"]]
             cells += [f"{said['relmse']:.2e}", f"{found:.2e}", f"{found / said['relmse']:.2f}"]
             cells += [f"{said['cpu_s']:.2f}", f"{came['cpu_s']:.2f}", f"{came['cpu_s'] / said['cpu_s']:.2f}"]
             cells += [f"{said['wall_s']:.2f}", f"{came['wall_s']:.2f}"]
