@@ -285,6 +285,24 @@ fn rays_of_another_scene_are_warned_of() {
 }
 
 #[test]
+fn rays_know_where_they_are_counted_from() {
+    let desk = place();
+    let far = ["-D", "camera.from=[1000.0, 1.5, 0.0]", "-D", "camera.at=[999.0, 1.5, 0.0]"];
+    bench(&desk, &[&["--quick", "-t", "1", "--rays", "16", "--record", "a.rays"][..], &far].concat());
+    let head = fs::read(desk.path("a.rays")).expect("there");
+    let number = |at: usize| f64::from_le_bytes(head[at..at + 8].try_into().expect("eight bytes"));
+    // The nearest metres to the camera; halves go away from zero.
+    assert_eq!(format!("{:?}", [20, 28, 36].map(number)), "[1000.0, 2.0, 0.0]", "in the head");
+    let replay = ["bench", "a.toml", "-q", "--quick", "-t1", "--passes=1", "--replay", "a.rays"];
+    let (status, _, stderr) = desk.run(&[&replay[..], &far].concat());
+    assert_eq!(status, 0, "the same camera: {stderr}");
+    let (status, stdout, stderr) = desk.run(&replay);
+    assert_eq!((status, stdout.as_str()), (2, ""), "another one: {stderr}");
+    let told = "a.rays: its rays are counted from (1000, 2, 0), and this scene from (0, 0, 0)";
+    assert!(stderr.contains(told) && stderr.contains("; give the camera of the recording"), "{stderr}");
+}
+
+#[test]
 fn what_is_wrong_is_told_with_status_2() {
     let desk = place();
     bench(&desk, &["--quick", "-t", "1", "--rays", "16", "--record", "whole.rays"]);

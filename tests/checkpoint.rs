@@ -400,6 +400,7 @@ fn checkpoints_of_anything_else_are_refused_and_the_difference_is_named() {
     refused(&["--target-error", "0.001"], "`target_error` is nothing there and 0.001 here");
     refused(&["--slice", "1/2", "-o", "c.part"], "`slice` is nothing there and \"1/2\" here");
     refused(&["--crop", "0,0,9,9"], "`crop` is ");
+    refused(&["--no-specialise=pruning"], "`pruning` is nothing there and false here");
     if specula::render::lanes() != "portable" {
         let output = desk.command().args(KEPT).env("SPECULA_ISA", "portable").output().expect("run");
         let said = String::from_utf8_lossy(&output.stderr);

@@ -5,8 +5,11 @@
 //! ```text
 //! bytes  what
 //! 8      the letters "SPECRAYS"
-//! 4      version of the format, an unsigned number: 1
+//! 4      version of the format, an unsigned number: 2
 //! 8      primitives of the scene, an unsigned number, each instance counted: tells whether rays and scene belong together
+//! 24     origin of the scene, three 64-bit floats x, y, z: what was taken from all places of its files. Rays and hits are counted
+//!        from there, so a library of your own takes it from its meshes, or adds it to the origins of rays where it holds
+//!        double precision. Zero unless the camera is far from the origin
 //! 4      classes, an unsigned number, from 1 to 64
 //! then of each class
 //! 4      bytes of its name, from 1 to 64
@@ -17,19 +20,22 @@
 //!        infinite), both in lengths of the direction; moment of the shutter, from 0 to 1
 //! ```
 //!
-//! Nothing follows. Files that are not so are refused, with the first byte that is wrong, counted from 0.
+//! Nothing follows. Files that are not so are refused, with the first byte that is wrong, counted from 0. Version 1 has no origin, and is read
+//! as with one of zero.
 
 use super::rays::RaySet;
 use crate::error::{Error, Place, Problem, Result};
 use crate::geometry::Ray;
 use crate::image::atomic;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
 const MAGIC: &[u8; 8] = b"SPECRAYS";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// The last version without an origin.
+const WITHOUT_ORIGIN: u32 = 1;
 const MOST_CLASSES: u32 = 64;
 const LONGEST_NAME: u32 = 64;
 /// Numbers of a ray.
@@ -40,6 +46,8 @@ const ARRAYS: usize = 9;
 pub struct Recording {
     /// Primitives of that scene, each instance counted.
     pub primitives: u64,
+    /// What was taken from all places of that scene, in metres: rays are counted from there.
+    pub origin: DVec3,
     /// The rays by class.
     pub sets: Vec<RaySet>,
 }
@@ -60,6 +68,9 @@ fn put(file: &mut impl Write, recording: &Recording) -> io::Result<()> {
     file.write_all(MAGIC)?;
     file.write_all(&VERSION.to_le_bytes())?;
     file.write_all(&recording.primitives.to_le_bytes())?;
+    for place in recording.origin.to_array() {
+        file.write_all(&place.to_le_bytes())?;
+    }
     file.write_all(&count(recording.sets.len())?.to_le_bytes())?;
     for RaySet { name, rays } in &recording.sets {
         file.write_all(&count(name.len())?.to_le_bytes())?;
@@ -137,10 +148,12 @@ impl<'a> Reader<'a> {
             });
         }
         let version = u32::from_le_bytes(self.array("the version")?);
-        if version != VERSION {
-            return Err(Fault { at: 8, what: format!("version {version}, not {VERSION}") });
+        if !(WITHOUT_ORIGIN..=VERSION).contains(&version) {
+            let what = format!("version {version}, not from {WITHOUT_ORIGIN} to {VERSION}");
+            return Err(Fault { at: 8, what });
         }
         let primitives = u64::from_le_bytes(self.array("the number of primitives")?);
+        let origin = if version > WITHOUT_ORIGIN { self.origin()? } else { DVec3::ZERO };
         let classes = self.count(1, MOST_CLASSES, "the number of classes")?;
         let heads = (0..classes).map(|_| self.head()).collect::<std::result::Result<Vec<_>, Fault>>()?;
         // Before anything of the size that a file claims is asked for.
@@ -159,7 +172,20 @@ impl<'a> Reader<'a> {
             let what = format!("{} bytes follow the last ray", self.bytes.len() - self.at);
             return Err(Fault { at: self.at, what });
         }
-        Ok(Recording { primitives, sets })
+        Ok(Recording { primitives, origin, sets })
+    }
+
+    /// What rays are counted from.
+    fn origin(&mut self) -> std::result::Result<DVec3, Fault> {
+        let mut origin = [0.0; 3];
+        for place in &mut origin {
+            let at = self.at;
+            *place = f64::from_le_bytes(self.array("the origin")?);
+            if !place.is_finite() {
+                return Err(Fault { at, what: "the origin is not finite".to_owned() });
+            }
+        }
+        Ok(origin.into())
     }
 
     /// Name and number of rays of a class.
@@ -230,7 +256,7 @@ mod tests {
         let ray = |x: f32| Ray::new(Vec3::X * x, Vec3::new(0.5, -1.0, x)).at_time(0.25);
         let set = |name: &str, rays: Vec<Ray>| RaySet { name: name.to_owned(), rays };
         let sets = vec![set("primary", vec![ray(1.0), ray(2.0).until(7.5)]), set("mine", vec![ray(3.0)])];
-        Recording { primitives: 12, sets }
+        Recording { primitives: 12, origin: DVec3::new(1e7, -0.1, 0.0), sets }
     }
 
     fn bytes() -> Vec<u8> {
@@ -252,8 +278,17 @@ mod tests {
         let path = dir.path().join("a.rays");
         write(&path, &recording()).expect("written");
         assert_eq!(read(&path).expect("read"), recording(), "the same rays");
-        // 24 bytes of head, two classes with names of 7 and 4 letters, three rays.
-        assert_eq!(fs::read(&path).expect("there").len(), 24 + (12 + 7) + (12 + 4) + 3 * 36, "as documented");
+        // 48 bytes of head, two classes with names of 7 and 4 letters, three rays.
+        assert_eq!(fs::read(&path).expect("there").len(), 48 + (12 + 7) + (12 + 4) + 3 * 36, "as documented");
+    }
+
+    #[test]
+    fn files_of_the_first_version_count_from_zero() {
+        let mut old = bytes();
+        old[8] = 1;
+        old.drain(20..44);
+        let read = (Reader { bytes: &old, at: 0 }).recording().map_err(|Fault { at, what }| (at, what));
+        assert_eq!(read, Ok(Recording { origin: DVec3::ZERO, ..recording() }), "all but the origin");
     }
 
     #[test]
@@ -268,16 +303,18 @@ mod tests {
 
     #[test]
     fn damage_is_told_with_its_byte() {
-        let first_ray = 24 + 19 + 16;
+        let first_ray = 48 + 19 + 16;
         let nan = f32::NAN.to_le_bytes();
-        let cases: [(usize, &[u8], &str); 9] = [
+        let cases: [(usize, &[u8], &str); 11] = [
             (0, b"X", "0: not a file of rays"),
-            (8, &[9], "8: version 9, not 1"),
-            (20, &[0], "20: the number of classes is 0"),
-            (20, &[0xff; 4], "20: the number of classes is 4294967295"),
-            (24, &[200], "24: the length of a name is 200"),
-            (28, &[0xff], "28: the name of a class is not text"),
-            (35, &[0xff; 8], &format!("{}: the file ends within the rays", first_ray + 3 * 36)),
+            (8, &[9], "8: version 9, not from 1 to 2"),
+            (8, &[0], "8: version 0, not from 1 to 2"),
+            (28, &f64::INFINITY.to_le_bytes(), "28: the origin is not finite"),
+            (44, &[0], "44: the number of classes is 0"),
+            (44, &[0xff; 4], "44: the number of classes is 4294967295"),
+            (48, &[200], "48: the length of a name is 200"),
+            (52, &[0xff], "52: the name of a class is not text"),
+            (59, &[0xff; 8], &format!("{}: the file ends within the rays", first_ray + 3 * 36)),
             // The second array of the first class, its second ray.
             (first_ray + 12, &nan, &format!("{}: ray 1 of `primary`: its origin", first_ray + 12)),
             (

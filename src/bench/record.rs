@@ -22,7 +22,7 @@ use crate::scene::Scene;
 /// What rays are recorded from.
 #[derive(Clone, Copy, Debug)]
 pub struct Stand<'a> {
-    /// What they meet.
+    /// What they meet; rays are counted from where it is.
     pub world: &'a World,
     /// Where they come from.
     pub camera: &'a Camera,

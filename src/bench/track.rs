@@ -90,7 +90,8 @@ impl<'a> Track<'a> {
     #[must_use]
     pub fn record(&self, settings: &Settings) -> Recording {
         let sets = record(&Stand::of(self.scene), &self.witness, &settings.classes, settings.rays);
-        Recording { primitives: self.scene.world.primitive_count() as u64, sets }
+        let primitives = self.scene.world.primitive_count() as u64;
+        Recording { primitives, origin: self.scene.origin, sets }
     }
 
     /// Builds all hierarchies and races them, class by class. Fails if a backend gives up or somebody stops it.

@@ -3,6 +3,8 @@
 use std::io::Write as _;
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::args::BenchArgs;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
@@ -69,6 +71,14 @@ fn chosen(mut recording: Recording, options: &BenchOptions, scenes: &[Scene]) ->
     if recording.sets.is_empty() {
         let what = if is_chosen { "holds no rays of the classes asked for" } else { "holds no rays" };
         return Err(Problem::at(Place::file(path), what).remedy("choose others, or another file").into());
+    }
+    let origin = scenes.first().map_or(DVec3::ZERO, |scene| scene.origin);
+    if recording.origin != origin {
+        let [there, here] = [recording.origin, origin].map(|it| format!("({}, {}, {})", it.x, it.y, it.z));
+        let what =
+            format!("its rays are counted from {there}, and this scene from {here}, by where its camera is");
+        let remedy = "give the camera of the recording, or record anew with --record";
+        return Err(Problem::at(Place::file(path), what).remedy(remedy).into());
     }
     let primitives = scenes.first().map_or(0, |scene| scene.world.primitive_count() as u64);
     if recording.primitives != primitives {

@@ -1,5 +1,6 @@
 //! Settings for an error or a time: chosen before a picture, told, and compared with what came of it.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -15,6 +16,7 @@ use crate::tradeoff::kept::Kept;
 use crate::tradeoff::outcomes_kept;
 use crate::tradeoff::pilot::Pilot;
 use crate::tradeoff::presets::{self, Advice, Kind, Preset};
+use crate::tradeoff::said;
 
 /// What is to be expected of a picture.
 #[derive(Clone, Debug)]
@@ -223,21 +225,69 @@ fn by_look(
     Ok((frozen, Prediction { asked, by, set, spp, cpu_s, wall_s, relmse }))
 }
 
-/// Refuses runs of another scene; tables `film` and `render` are what runs are about.
-fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<()> {
+/// Refuses runs of another scene, or under other settings than those that they turn; the table `film` is what runs are about. Gives what the
+/// scene of the runs says of those that they turn, where this one says otherwise.
+fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<Vec<(String, String)>> {
     let Frozen { description, files, trust, .. } = frozen;
     let here = scene::identity_within(description, frozen.folder(), files, trust)?;
     let mut both = [kept.head["about"].clone(), here];
-    for scene in both.iter_mut().filter_map(|about| about["scene"].as_object_mut()) {
-        scene.shift_remove("film");
-        scene.shift_remove("render");
-    }
-    let [there, here] = both;
-    let differences = scene::differences(&there, &here).into_iter().map(|what| {
-        Problem::at(Place::file(path), format!("runs of another scene: {what}"))
-            .remedy("name runs of this scene, or leave out --tradeoff")
+    let [there, here] = both.each_mut().map(|about| {
+        let scene = about["scene"].as_object_mut();
+        let render = scene.and_then(|scene| {
+            scene.shift_remove("film");
+            scene.shift_remove("render")
+        });
+        json!({ "render": render })
     });
-    Problems(differences.collect()).into_result(())
+    let refused = |[there, here]: [&Value; 2], (what, remedy): (&str, &str)| {
+        let problem =
+            |told: String| Problem::at(Place::file(path), format!("runs {what}: {told}")).remedy(remedy);
+        scene::differences(there, here).into_iter().map(problem).collect::<Vec<_>>()
+    };
+    let [scene_there, scene_here] = &both;
+    let mut problems = refused(
+        [scene_there, scene_here],
+        ("of another scene", "name runs of this scene, or leave out --tradeoff"),
+    );
+    let turned = turned(kept);
+    let [fixed_there, fixed_here] = [&there, &here].map(|json| fixed(json, &there, &turned));
+    let remedy =
+        "set what they were made with, by flags as `specula tradeoff` had them, or leave out --tradeoff";
+    problems.extend(refused([&fixed_there, &fixed_here], ("under other settings", remedy)));
+    Problems(problems).into_result(returned([&there, &here], &turned))
+}
+
+/// The keys that runs turn.
+fn turned(kept: &Kept) -> BTreeSet<String> {
+    kept.runs.iter().flat_map(|run| &run.set).map(|(key, _)| key.clone()).collect()
+}
+
+/// Settings that have to be those of the runs: all but number and seed of samples, and what they turn and `there` says.
+fn fixed(json: &Value, there: &Value, turned: &BTreeSet<String>) -> Value {
+    let mut json = json.clone();
+    if let Some(render) = json["render"].as_object_mut() {
+        render.retain(|key, _| {
+            let path = format!("render.{key}");
+            let is_free = ["spp", "seed"].contains(&key.as_str());
+            let is_turned = turned.contains(&path) && said(there, &path).is_some();
+            !is_free && !is_turned
+        });
+    }
+    json
+}
+
+/// What is said `there` of keys that are turned, where it is something else here: points that leave such a key alone are of that.
+fn returned([there, here]: [&Value; 2], turned: &BTreeSet<String>) -> Vec<(String, String)> {
+    let keys = turned.iter().filter(|key| *key != "render.spp");
+    let value = |key: &String| said(there, key).filter(|value| said(here, key).as_ref() != Some(value));
+    keys.filter_map(|key| Some((key.clone(), value(key)?))).collect()
+}
+
+/// The same curve with more that is set, where it does not set that itself.
+fn with(mut curve: Curve, more: &[(String, String)]) -> Curve {
+    let is_new = |(key, _): &&(String, String)| !curve.set.iter().any(|(own, _)| own == key);
+    curve.set = more.iter().filter(is_new).chain(&curve.set).cloned().collect();
+    curve
 }
 
 fn by_runs(
@@ -247,7 +297,7 @@ fn by_runs(
     path: &Path,
 ) -> Result<(Frozen, Prediction)> {
     let kept = Kept::read(path)?;
-    check(&kept, &frozen, path)?;
+    let returned = check(&kept, &frozen, path)?;
     let outcomes = outcomes_kept(&kept);
     let build_s = outcomes.first().map_or(0.0, |it| it.build_cpu_s.value);
     let size = ["width", "height"].map(|side| kept.head[side].as_f64().unwrap_or(1.0));
@@ -256,7 +306,8 @@ fn by_runs(
     let times = all / (size[0] * size[1]);
     let left = time.saturating_sub(start.elapsed()).as_secs_f64();
     let cpu_s = USED * (left * threads(options) - build_s).max(0.0);
-    let curves = Curve::all(&outcomes).into_iter().filter(|curve| suits_budgets(&curve.set));
+    let curves = Curve::all(&outcomes).into_iter().map(|curve| with(curve, &returned));
+    let curves = curves.filter(|curve| suits_budgets(&curve.set));
     let curves = curves.map(|curve| curve.larger(times));
     let error = |curve: &Curve| curve.error(curve.samples_in(cpu_s).max(1.0));
     let Some(best) = curves.min_by(|a, b| error(a).total_cmp(&error(b))) else {
@@ -281,6 +332,7 @@ fn by_runs(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::tradeoff::student::Interval;
 
     #[test]
     fn many_samples_are_whole_packets() {
@@ -293,5 +345,34 @@ mod tests {
         let set = |value: &str| vec![("render.sampler".to_owned(), value.to_owned())];
         assert!(suits_budgets(&[]) && suits_budgets(&set("sobol")), "any number");
         assert!(!suits_budgets(&set("stratified")) && !suits_budgets(&set("blue_noise")), "a known number");
+    }
+
+    #[test]
+    fn settings_count_unless_they_are_turned_and_those_are_as_in_the_runs() {
+        let render = |depth: u32, query: Value, spp: u32, integrator: &str| json!({ "render": { "max_depth": depth, "query": query, "spp": spp, "seed": spp, "integrator": integrator } });
+        let turned: BTreeSet<String> =
+            ["render.max_depth", "render.query", "render.spp"].map(str::to_owned).into();
+        let there = render(16, Value::Null, 4, "path");
+        let differ = |here: &Value| {
+            let both = [&there, here].map(|json| fixed(json, &there, &turned));
+            scene::differences(&both[0], &both[1])
+        };
+        let turned_otherwise = render(6, Value::Null, 9, "path");
+        assert_eq!(differ(&turned_otherwise), [""; 0], "number, seed and depth");
+        let other = render(16, "single".into(), 4, "whitted");
+        let told = [
+            "`render.integrator` is \"path\" there and \"whitted\" here",
+            "`render.query` is nothing there and \"single\" here",
+        ];
+        assert_eq!(differ(&other), told, "what is not turned, or could not be set as it was");
+        let pair = |key: &str, value: &str| (key.to_owned(), value.to_owned());
+        let returned = returned([&there, &turned_otherwise], &turned);
+        assert_eq!(returned, [pair("render.max_depth", "16")], "the depth of points that leave it alone");
+        let curve = |set: Vec<(String, String)>| {
+            Curve::measured(String::new(), set, (Interval::default(), 0.0, 1.0), vec![[1.0, 1.0]])
+        };
+        assert_eq!(with(curve(Vec::new()), &returned).set, returned, "left alone");
+        let own = vec![pair("render.max_depth", "4")];
+        assert_eq!(with(curve(own.clone()), &returned).set, own, "set");
     }
 }

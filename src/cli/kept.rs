@@ -34,9 +34,12 @@ pub(super) fn settings(options: &RenderOptions) -> Map<String, Value> {
     set("outputs", options.layout.aovs().iter().map(|aov| aov.name()).collect());
     set("time_limit_s", options.limits.time.map(|time| time.as_secs_f64()).into());
     set("target_error", options.limits.error.into());
-    // Switched on, it moves the last bits.
+    // What is switched on, or kept without effect, moves the last bits.
     if !options.specialise.forced.is_empty() {
         set("forced", options.specialise.forced.iter().map(Capability::word).collect());
+    }
+    if options.specialise.keeps {
+        set("pruning", false.into());
     }
     settings
 }

@@ -9,6 +9,7 @@ use super::args::PlanArgs;
 use super::frozen::Frozen;
 use super::{log, options, output};
 use crate::error::{Problem, Result};
+use crate::integrator::Path;
 use crate::render::{self, Chosen};
 use crate::scene::description::{Integrator, LightChoice};
 use crate::scene::needs::capability::Capability;
@@ -59,7 +60,8 @@ fn backend_use(scene: &Scene, needs: &Needs) -> Vec<String> {
 
 /// How kernels are chosen: none is made for a scene.
 fn kernels() -> String {
-    format!("{}: all capabilities are compiled in, chunks run what is needed", render::lanes())
+    let level = Path::followed_with(render::level());
+    format!("{}: all capabilities are compiled in, chunks run what is needed", level.name())
 }
 
 fn to_text(frozen: &Frozen, needs: &Needs, warnings: &[Problem]) -> String {

@@ -5,7 +5,7 @@ use crate::error::{Problem, Result};
 use crate::film::{Filter, FilterShape};
 use crate::image::Window;
 use crate::integrator::{Integrator, Path, Splitting, View, Whitted};
-use crate::render::query::{query, shading};
+use crate::render::query::{batches, query};
 use crate::render::schedule::PACKET;
 use crate::render::tiles::{self, Engine, InBatches, InStreams, OneByOne, Plan, Traced};
 use crate::render::two_pass;
@@ -77,7 +77,7 @@ pub(super) fn with_accel<A: Accel>(plan: &Plan<'_>, accel: &A) -> Result<Rendere
             with_integrator(plan, accel, &tree, way)
         }
         description::Integrator::Path => {
-            let level = shading(plan.scene);
+            let level = batches(plan.scene);
             let sampler = plan.sampler.times(settings.path_splits);
             let path = Path::new(plan.scene, (sampler, plan.seed), (level, way != Query::Packet))
                 .splitting(plan.layout.splits());

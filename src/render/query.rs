@@ -1,5 +1,6 @@
 //! How rays are asked for where nobody says so: by what was measured (`benches/record/engines.md`).
 
+use crate::integrator::Path;
 use crate::math::lanes::{Level, Scalar};
 use crate::scene::Scene;
 use crate::scene::description::{Backend, FuzzyBy, Integrator, Query};
@@ -25,15 +26,21 @@ pub fn level() -> Level {
     Level::from_env().unwrap_or_else(|_| Level::best())
 }
 
-/// The name of the instruction set that shading runs with. Pictures by different ones differ by rounding.
+/// The name of what everything over lanes is run with. Pictures by different ones differ by rounding.
 #[must_use]
 pub fn lanes() -> &'static str {
     level().name()
 }
 
-/// What the shading of a scene is run with: paths side by side over lanes, ray trees and single paths one ray at a time.
+/// What the shading of a scene is run with: paths side by side over the lanes that they are followed with, ray trees and single paths one
+/// ray at a time.
 #[must_use]
 pub fn shading(scene: &Scene) -> Level {
+    Path::followed_with(batches(scene))
+}
+
+/// What batches of a scene's samples are begun with, and paths are told.
+pub(super) fn batches(scene: &Scene) -> Level {
     let is_wide = scene.render.integrator == Integrator::Path && query(scene).query != Query::Single;
     if is_wide { level() } else { Level::Scalar(Scalar) }
 }

@@ -196,5 +196,7 @@ mod tests {
         assert_eq!(Table1d::new(&[1.0, -1.0]).err(), Some(TableError::Weight(1)), "negative");
         assert_eq!(Table1d::new(&[f32::NAN]).err(), Some(TableError::Weight(0)), "NaN");
         assert_eq!(Table1d::new(&[1.0, 2.0, f32::INFINITY]).err(), Some(TableError::Weight(2)), "infinite");
+        let many = vec![1.0; Table1d::MAX_LEN + 1];
+        assert_eq!(Table1d::new(&many).err(), Some(TableError::TooMany), "one more than it holds");
     }
 }

@@ -32,4 +32,5 @@ pub use outcome::{Outcome, outcomes, outcomes_kept};
 pub use reference::{Origin, Reference};
 pub use report::Report;
 pub use runs::compared;
+pub(crate) use subject::said;
 pub use subject::{Subject, settings_of};

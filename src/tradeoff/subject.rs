@@ -132,7 +132,7 @@ impl Subject {
 }
 
 /// What a description in JSON says of a key, as a file would say it; `None` where it is left to the renderer.
-pub(super) fn said(json: &Value, key: &str) -> Option<String> {
+pub(crate) fn said(json: &Value, key: &str) -> Option<String> {
     match key.split('.').try_fold(json, |json, part| json.get(part))? {
         Value::Null => None,
         Value::String(word) => Some(word.clone()),

@@ -150,4 +150,7 @@ fn what_does_not_go_together_is_refused() {
     assert_eq!(desk.run(&[&sweep[..], &["--keep", "a.runs"]].concat()).0, 0, "a sweep");
     let other = ["--budget", "3s", "--tradeoff", "a.runs", "-D", "materials.ball.exponent=3"];
     refused(&other, &["runs of another scene: `scene.materials", "20.0 there and 3.0 here"]);
+    let other = ["--budget", "3s", "--tradeoff", "a.runs", "--integrator", "whitted"];
+    let told = "a.runs: runs under other settings: `render.integrator` is \"path\" there and \"whitted\" here; set what";
+    refused(&other, &[told]);
 }

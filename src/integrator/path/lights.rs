@@ -57,7 +57,7 @@ impl Lights {
         };
         let in_table = all().filter(|(_, light)| tree.is_none() || light.is_infinite());
         let (asked, weights): (Vec<_>, Vec<_>) = in_table.map(|(id, light)| (id, weight(light))).unzip();
-        let choice = if asked.len() > 1 { Table1d::new(&weights).ok() } else { None };
+        let choice = if asked.len() > 1 { table(&weights) } else { None };
         let mut probabilities = vec![0.0; scene.lights.len()];
         let chance = |index| choice.as_ref().map_or(1.0, |table: &Table1d| table.probability(index));
         let chances: Vec<f32> = (0..asked.len()).map(chance).collect();
@@ -195,6 +195,11 @@ impl Lights {
     }
 }
 
+/// The table of several weights. Weights that are no numbers say nothing: then all are alike. No scene has more lights than a table holds.
+fn table(weights: &[f32]) -> Option<Table1d> {
+    Table1d::new(weights).or_else(|_| Table1d::new(&vec![1.0; weights.len()])).ok()
+}
+
 /// A function of its own per instruction set, as for lights.
 #[inline(never)]
 fn draw<S: Isa>(isa: S, tree: &LightTree, at: Reference<S::F>, u: S::F) -> Drawn<S::F> {
@@ -212,5 +217,18 @@ impl<S: Isa> Kernel<S> for Draw<'_, S::F> {
     #[inline(always)]
     fn run(self, _isa: S) -> Drawn<S::F> {
         self.tree.sample(self.at, self.u)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_light_can_be_chosen_whatever_its_weight() {
+        for weights in [[1.0, 3.0], [f32::NAN, 1.0]] {
+            let table = table(&weights).expect("a table");
+            assert!((0..2).all(|light| table.probability(light) > 0.2), "{weights:?}");
+        }
     }
 }

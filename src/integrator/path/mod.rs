@@ -102,10 +102,19 @@ impl Path {
         Self { splits, ..self }
     }
 
-    /// What paths are followed with.
+    /// What batches are begun with.
     #[must_use]
     pub fn level(&self) -> Level {
         self.level
+    }
+
+    /// What paths are followed with where batches are begun with `level`: one at a time where no instruction set has lanes.
+    #[must_use]
+    pub fn followed_with(level: Level) -> Level {
+        match level {
+            Level::Portable(_) => Level::Scalar(Scalar),
+            has_lanes => has_lanes,
+        }
     }
 
     /// Camera rays of a packet.
@@ -137,7 +146,7 @@ impl Path {
             splits: self.splits,
             beam: stage.beam,
         };
-        match self.level {
+        match Self::followed_with(self.level) {
             #[cfg(target_arch = "x86_64")]
             Level::Avx512(isa) => follow::<_, _, 16>(isa, &around, stage, wave, counters),
             #[cfg(target_arch = "x86_64")]

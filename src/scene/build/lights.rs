@@ -9,7 +9,7 @@ use crate::light::{
 };
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
-use crate::sampling::TableError;
+use crate::sampling::{Table1d, TableError};
 use crate::scene::build::{Builder, forms, number, steps, unit, way};
 use crate::scene::description::{self, Located, Normals, Sky, Step};
 use crate::scene::library::{self, Made};
@@ -117,8 +117,13 @@ impl Builder {
                     surface.materials = vec![surface.materials[0]; groups];
                 }
             }
-            Err(error) => self.problems.push(Problem::at(place.clone(), format!("a mesh light: {error}"))),
+            Err(error) => self.problems.push(no_light("a mesh light", error, place)),
         }
+    }
+
+    /// Reports lights of which none could be chosen, since there are too many.
+    pub(super) fn count_lights(&mut self) {
+        self.problems.0.extend(too_many(&self.light_places, Table1d::MAX_LEN));
     }
 
     fn add_environment(&mut self, sky: &Sky, scale: f32, rotation: f32, place: &Place) {
@@ -174,6 +179,32 @@ pub(super) fn sorted<T: Copy>(mesh: &Mesh, triangle: u32, [x, y, z]: [T; 3]) -> 
     if mesh.corner_normals(triangle).is_some_and(is_turned) { [x, z, y] } else { [x, y, z] }
 }
 
+/// Lights described at `places` that are more than `most`, told at the first that is too many.
+fn too_many(places: &[Place], most: usize) -> Option<Problem> {
+    let place = places.get(most)?;
+    let what = format!("{} lights, and one is chosen of at most {most}", places.len());
+    let remedy = "leave some out, or make a mesh of them: all of its triangles are one light";
+    Some(Problem::at(place.clone(), what).remedy(remedy))
+}
+
+/// That the triangles of `what` make no light.
+pub(super) fn no_light(what: &str, error: TableError, place: &Place) -> Problem {
+    let most = Table1d::MAX_LEN;
+    let (why, remedy) = match error {
+        TableError::TooMany => (
+            format!("more than {most} triangles, of which one cannot be chosen"),
+            format!("split the file into meshes of at most {most} triangles"),
+        ),
+        TableError::Zero => {
+            ("no triangle has an area".to_owned(), "leave it out, or scale it up if it is tiny".to_owned())
+        }
+        TableError::Weight(_) | TableError::Shape => {
+            (format!("its triangles cannot be weighed: {error}"), "scale it down".to_owned())
+        }
+    };
+    Problem::at(place.clone(), format!("{what}: {why}")).remedy(remedy)
+}
+
 /// A light made of triangles that shine alike: a rectangle where two of them make up one.
 pub(super) fn of_triangles(
     triangles: Vec<[Vec3; 3]>,
@@ -184,4 +215,36 @@ pub(super) fn of_triangles(
         return Ok(Light::Rectangle(Area { surface, radiance, two_sided }));
     }
     Ok(Light::Mesh(Area { surface: MeshArea::new(triangles)?, radiance, two_sided }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_that_make_no_light_are_told_with_a_remedy() {
+        let place = Place::file("a.toml");
+        let told = |error| no_light("a mesh light", error, &place).to_string();
+        let many = told(TableError::TooMany);
+        assert!(many.starts_with("a.toml: a mesh light: more than 4194304 triangles"), "{many}");
+        assert!(many.ends_with("; split the file into meshes of at most 4194304 triangles"), "{many}");
+        let flat = of_triangles(vec![[Vec3::ZERO; 3]; 3], Rgb::WHITE, false).map(drop);
+        let flat = flat.map_err(told).expect_err("no area");
+        assert_eq!(
+            flat,
+            "a.toml: a mesh light: no triangle has an area; leave it out, or scale it up if it is tiny"
+        );
+        let huge = [Vec3::ZERO, Vec3::X * 1e30, Vec3::Y * 1e30];
+        let huge =
+            of_triangles(vec![huge; 3], Rgb::WHITE, false).map(drop).map_err(told).expect_err("infinite");
+        assert!(huge.contains("weight 0 is negative or not finite; scale it down"), "{huge}");
+    }
+
+    #[test]
+    fn lights_that_are_too_many_are_told_at_the_first() {
+        let places = ["a", "b", "c", "d"].map(Place::file);
+        assert_eq!(too_many(&places, 4), None, "as many as there may be");
+        let told = too_many(&places, 2).expect("more").to_string();
+        assert!(told.starts_with("c: 4 lights, and one is chosen of at most 2; leave some out"), "{told}");
+    }
 }

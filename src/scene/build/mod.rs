@@ -99,6 +99,7 @@ pub fn build_from(
     builder.add_materials(&description.materials, referenced.as_ref());
     builder.add_shapes(&description.shapes);
     builder.add_lights(&description.lights);
+    builder.count_lights();
     builder.cut_holes();
     builder.drop_attributes(wanted, &description.render);
     let film = description.film.clone();

@@ -335,13 +335,14 @@ impl Builder {
             let problem = Problem::at(place.clone(), what);
             return self.problems.push(problem.remedy("take its `opacity` or its emission away"));
         }
-        match self.light_at(placement, emission) {
+        match self.light_at(placement, emission, place) {
             Ok(light) => self.surfaces[placement.index()].light = self.add_light(light, place),
-            Err(what) => self.problems.push(Problem::at(place.clone(), what)),
+            Err(problem) => self.problems.push(problem),
         }
     }
 
-    fn light_at(&self, placement: PlacementId, emission: Emission) -> Result<Light, String> {
+    fn light_at(&self, placement: PlacementId, emission: Emission, place: &Place) -> Result<Light, Problem> {
+        let refused = |what: &str, remedy: &str| Problem::at(place.clone(), what).remedy(remedy);
         let Emission { radiance: texture, two_sided } = emission;
         let radiance = texture.mean();
         let map = self.world.placements[placement.index()].pose.at(0.0).map(|t| *t.world_from_object());
@@ -350,11 +351,15 @@ impl Builder {
             // Refused below, wherever it stands.
             _ if matches!(shape, Shape::Surface(_)) => shape.clone(),
             None => shape.clone(),
-            Some(map) => forms::moved(shape, &map)
-                .ok_or("an emitting sphere or disc can be moved, turned and scaled alike on all axes only; use a mesh")?,
+            Some(map) => forms::moved(shape, &map).ok_or_else(|| {
+                let what =
+                    "an emitting sphere or disc can be moved, turned and scaled alike on all axes only";
+                refused(what, "use a mesh")
+            })?,
         };
         if !texture.is_constant() && !matches!(moved, Shape::Mesh(_)) {
-            return Err("only meshes and rectangles can emit light by a texture; use one of those".to_owned());
+            let what = "only meshes and rectangles can emit light by a texture";
+            return Err(refused(what, "use one of those"));
         }
         Ok(match moved {
             Shape::Sphere(Sphere { center, radius }) => {
@@ -365,7 +370,7 @@ impl Builder {
             }
             Shape::Mesh(mesh) => {
                 let triangles = lights::shining(&mesh);
-                let wrong = |error| format!("an emitting mesh: {error}");
+                let wrong = |error| lights::no_light("an emitting mesh", error, place);
                 if texture.is_constant() {
                     lights::of_triangles(triangles, radiance, two_sided).map_err(wrong)?
                 } else {
@@ -378,7 +383,7 @@ impl Builder {
                 }
             }
             Shape::Surface(_) => {
-                return Err("only meshes, spheres and discs can be lights; use one of those".to_owned());
+                return Err(refused("only meshes, spheres and discs can be lights", "use one of those"));
             }
         })
     }

@@ -3,6 +3,10 @@
 //! Needles and small triangles are counted in one pass. Surfaces that nearly coincide are found by short rays across every
 //! triangle, through its middle and near its corners, with a hierarchy over all of them: n log n. Surfaces that overlap at none of
 //! these places are not found; meshes that move, and shapes that are no meshes, are left out.
+//!
+//! Surfaces in one plane coincide where such a place is well inside of the other triangle, so neighbours do not. Most that do are meant, and
+//! nobody sees it: a box that stands on a floor, a wall between two blocks. So only those count that the camera sees, past all triangles,
+//! and of one shape only those that face the same way: sheets may have two sides. Coincidence that mirrors alone show is not told.
 
 use super::{at, length};
 use crate::accel::bvh::{Options, Preset};
@@ -25,6 +29,9 @@ const COARSE: f32 = 16.0;
 /// Sine of the greatest angle between triangles that count as parallel: over a triangle's width it is less than the gap.
 const PARALLEL: f64 = 1e-3;
 
+/// How far inside of a triangle, as a part of it, is no longer its edge.
+const INSIDE: f32 = 1e-3;
+
 /// Triangles looked at, at most.
 const MOST: usize = 1 << 25;
 
@@ -34,7 +41,8 @@ const PROBES: [[f32; 2]; 4] = [[1.0 / 3.0, 1.0 / 3.0], [0.1, 0.1], [0.8, 0.1], [
 /// What is odd about the triangles of a scene.
 pub(super) fn of(scene: &Scene, origins: &[Place]) -> Vec<Problem> {
     let Some(soup) = Soup::of(&scene.world) else { return Vec::new() };
-    [soup.needles(origins), soup.coarse(origins), soup.coincident(origins)].into_iter().flatten().collect()
+    let coincident = soup.coincident(origins, scene.camera.eye(0.0));
+    [soup.needles(origins), soup.coarse(origins)].into_iter().chain(coincident).flatten().collect()
 }
 
 /// Triangles of all meshes that stand still, in the world.
@@ -73,10 +81,15 @@ impl Soup {
         u32::try_from(self.mesh.triangles().len()).unwrap_or(u32::MAX)
     }
 
+    /// The placement that a triangle is of.
+    fn placement(&self, triangle: u32) -> Option<usize> {
+        let next = self.starts.partition_point(|(first, _)| *first <= triangle);
+        Some(self.starts[next.checked_sub(1)?].1)
+    }
+
     /// Where the shape of a triangle was described.
     fn place<'a>(&self, triangle: u32, origins: &'a [Place]) -> Option<&'a Place> {
-        let next = self.starts.partition_point(|(first, _)| *first <= triangle);
-        origins.get(self.starts[next.checked_sub(1)?].1)
+        origins.get(self.placement(triangle)?)
     }
 
     /// The triangles of which a number is above a limit: how many, and the one with the greatest.
@@ -138,37 +151,73 @@ impl Soup {
         Some(at(self.place(worst, origins), what).remedy(remedy))
     }
 
-    fn coincident(&self, origins: &[Place]) -> Option<Problem> {
+    /// Triangles that coincide with others, and those that nearly do.
+    fn coincident(&self, origins: &[Place], eye: Vec3) -> [Option<Problem>; 2] {
+        let accel = self.hierarchy(true);
+        let meetings = |triangle| PROBES.into_iter().map(move |probe| (triangle, probe));
+        let met: Vec<Meeting> = (0..self.count())
+            .into_par_iter()
+            .flat_map_iter(meetings)
+            .filter_map(|(triangle, probe)| self.meeting(&accel, triangle, probe))
+            .collect();
+        drop(accel);
+        let (near, mut same): (Vec<_>, Vec<_>) = met.into_iter().partition(|meeting| meeting.gap > 0.0);
+        if !same.is_empty() {
+            let accel = self.hierarchy(false);
+            same.retain(|meeting| self.is_seen(&accel, meeting, eye));
+        }
+        [self.same(&by_triangle(same), origins), self.near(&by_triangle(near), origins)]
+    }
+
+    /// One over all triangles; in that of `neighbours` rays meet only what coincides, or nearly, with the triangle that they cross.
+    fn hierarchy(&self, neighbours: bool) -> Bvh2Accel {
         let mut world = World::default();
         let shape = world.add_shape(self.shape.clone());
         world.place(shape, None);
-        world.filters.insert(shape, Arc::new(Near { mesh: self.mesh.clone() }));
-        let options = Options { preset: Preset::Fastest, ..Options::default() };
-        let accel = Bvh2Accel::build(&Arc::new(world), &options);
-        let found: Vec<(u32, u32)> = (0..self.count())
-            .into_par_iter()
-            .filter_map(|triangle| Some((triangle, self.neighbour(&accel, triangle)?)))
-            .collect();
-        let &(first, other) = found.first()?;
-        let gaps = found.iter().map(|&(triangle, other)| gap(&self.mesh, triangle, other));
+        if neighbours {
+            world.filters.insert(shape, Arc::new(Near { mesh: self.mesh.clone() }));
+        }
+        Bvh2Accel::build(&Arc::new(world), &Options { preset: Preset::Fastest, ..Options::default() })
+    }
+
+    fn same(&self, met: &[Meeting], origins: &[Place]) -> Option<Problem> {
+        let &Meeting { triangle, other, probe, .. } = met.first()?;
+        let what = format!(
+            "{} of {} triangles coincide exactly with others{}, where the camera sees them: which of both a ray meets is left to chance",
+            met.len(),
+            self.count(),
+            self.beside(other, origins),
+        );
+        let lift = length(self.lift(triangle, probe).1);
+        let remedy = format!("take one of both away, or move them apart by more than {lift}");
+        Some(at(self.place(triangle, origins), what).remedy(remedy))
+    }
+
+    fn near(&self, met: &[Meeting], origins: &[Place]) -> Option<Problem> {
+        let &Meeting { triangle, other, .. } = met.first()?;
+        let gaps = met.iter().map(|meeting| meeting.gap);
         let [least, most] = gaps.fold([f64::INFINITY, 0.0_f64], |[a, b], gap| [a.min(gap), b.max(gap)]);
         #[expect(clippy::cast_possible_truncation, reason = "for people")]
         let [least, most] = [least as f32, most as f32];
-        let lift = self.lift(first, PROBES[0]).1;
-        let beside =
-            self.place(other, origins).map_or_else(String::new, |place| format!(" (beside {place})"));
+        let lift = self.lift(triangle, PROBES[0]).1;
         let what = format!(
-            "{} of {} triangles nearly coincide with others, {} to {} apart{beside}, where rays start {} off a surface: they pass what \
+            "{} of {} triangles nearly coincide with others, {} to {} apart{}, where rays start {} off a surface: they pass what \
              lies nearer",
-            found.len(),
+            met.len(),
             self.count(),
             length(least),
             length(most),
+            self.beside(other, origins),
             length(lift),
         );
         let remedy =
             format!("make one surface of both, or move them apart by more than {}", length(lift.max(most)));
-        Some(at(self.place(first, origins), what).remedy(remedy))
+        Some(at(self.place(triangle, origins), what).remedy(remedy))
+    }
+
+    /// Which triangle another one is beside, in brackets.
+    fn beside(&self, other: u32, origins: &[Place]) -> String {
+        self.place(other, origins).map_or_else(String::new, |place| format!(" (beside {place})"))
     }
 
     /// A point of a triangle, how far off it rays start, and its normal.
@@ -179,36 +228,74 @@ impl Soup {
         (point.p, point.ng.abs().dot(point.p_error), point.ng)
     }
 
-    /// A triangle that nearly coincides with this one.
-    fn neighbour(&self, accel: &Bvh2Accel, triangle: u32) -> Option<u32> {
-        PROBES.into_iter().find_map(|probe| {
-            let (p, lift, n) = self.lift(triangle, probe);
-            // From one side to the other, with room for the rounding of the start.
-            let ray = Ray::new(p - n * (1.5 * lift), n).until(3.0 * lift).seeing(triangle + 1);
-            if !ray.is_traceable() {
-                return None;
-            }
-            accel.intersect(&ray).map(|hit| hit.prim)
-        })
+    /// What coincides, or nearly, with a triangle at one of its places.
+    fn meeting(&self, accel: &Bvh2Accel, triangle: u32, probe: [f32; 2]) -> Option<Meeting> {
+        let (p, lift, n) = self.lift(triangle, probe);
+        // From one side to the other, with room for the rounding of the start.
+        let ray = Ray::new(p - n * (1.5 * lift), n).until(3.0 * lift).seeing(triangle + 1);
+        if !ray.is_traceable() {
+            return None;
+        }
+        let other = accel.intersect(&ray)?.prim;
+        Some(Meeting { triangle, other, probe, gap: gap(&self.mesh, triangle, other) })
+    }
+
+    /// Whether the camera sees what coincides, and it is not the other side of the same sheet.
+    fn is_seen(&self, accel: &Bvh2Accel, meeting: &Meeting, eye: Vec3) -> bool {
+        let &Meeting { triangle, other, probe, .. } = meeting;
+        let [own, its] = [triangle, other].map(|it| normal(&self.mesh, it));
+        if own.dot(its) <= 0.0 && self.placement(triangle) == self.placement(other) {
+            return false;
+        }
+        let (p, lift, n) = self.lift(triangle, probe);
+        let way = eye - p;
+        let start = p + n * (1.5 * lift).copysign(way.dot(n));
+        let ray = Ray::new(start, eye - start).until(1.0);
+        ray.is_traceable() && !accel.occluded(&ray)
     }
 }
 
-/// Accepts only triangles that nearly coincide with the one whose number, from 1, is the mask of the ray.
+/// A triangle at a place of which there is another one.
+#[derive(Clone, Copy, Debug)]
+struct Meeting {
+    triangle: u32,
+    other: u32,
+    /// Where, as barycentric parameters.
+    probe: [f32; 2],
+    /// How far apart their planes are; zero where they are one.
+    gap: f64,
+}
+
+/// The first meeting of each triangle.
+fn by_triangle(mut met: Vec<Meeting>) -> Vec<Meeting> {
+    met.dedup_by_key(|meeting| meeting.triangle);
+    met
+}
+
+/// Accepts only triangles that coincide, or nearly, with the one whose number, from 1, is the mask of the ray.
 #[derive(Debug)]
 struct Near {
     mesh: Mesh,
 }
 
 impl HitFilter for Near {
-    fn accepts(&self, ray: &Ray, _hit: &ShapeHit, prim: u32) -> bool {
+    fn accepts(&self, ray: &Ray, hit: &ShapeHit, prim: u32) -> bool {
         let own = ray.mask - 1;
         if own == prim {
             return false;
         }
         let [n, other] = [own, prim].map(|triangle| normal(&self.mesh, triangle));
+        if n.cross(other).length() >= PARALLEL {
+            return false;
+        }
         let gap = gap(&self.mesh, own, prim);
-        n.cross(other).length() < PARALLEL && gap > 0.0 && gap <= f64::from(ray.t_max / 3.0)
+        if gap > 0.0 { gap <= f64::from(ray.t_max / 3.0) } else { is_inside(hit) && n.dot(other).abs() > 0.5 }
     }
+}
+
+/// Whether a hit is well inside of its triangle.
+fn is_inside(hit: &ShapeHit) -> bool {
+    hit.u.min(hit.v).min(1.0 - hit.u - hit.v) > INSIDE
 }
 
 /// How far the corners of a triangle are from the plane of another, at most.
@@ -252,6 +339,9 @@ mod tests {
         [at, at + Vec3::X * size, at + Vec3::Y * size]
     }
 
+    /// Above the flat triangles.
+    const EYE: Vec3 = Vec3::new(0.3, 0.2, 5.0);
+
     fn told(problem: Option<Problem>) -> String {
         problem.map(|problem| problem.to_string()).unwrap_or_default()
     }
@@ -282,9 +372,10 @@ mod tests {
         let of = |gap: f32| {
             let upper = flat(Vec3::new(0.1, 0.1, 1.0 + gap), 0.3);
             let soup = Soup::of(&world(&[vec![flat(Vec3::Z, 1.0)], vec![upper]])).expect("triangles");
-            soup.coincident(&places())
+            let [same, near] = soup.coincident(&places(), EYE);
+            assert_eq!(same, None, "planes of their own");
+            near
         };
-        assert_eq!(of(0.0), None, "the same plane");
         assert_eq!(of(1e-4), None, "far enough");
         let problem = of(2.0 * f32::EPSILON);
         let told = told(problem);
@@ -301,7 +392,34 @@ mod tests {
         let folded = vec![flat(Vec3::ZERO, 1.0), [Vec3::ZERO, Vec3::Y, Vec3::new(1.0, 0.0, 0.5)]];
         for mesh in [quad, folded] {
             let soup = Soup::of(&world(&[mesh])).expect("triangles");
-            assert_eq!(soup.coincident(&places()), None, "neighbours");
+            assert_eq!(soup.coincident(&places(), EYE), [None, None], "neighbours");
         }
+    }
+
+    #[test]
+    fn surfaces_in_one_plane_that_the_camera_sees_are_told() {
+        let (floor, rug) = (flat(Vec3::ZERO, 1.0), flat(Vec3::new(0.1, 0.1, 0.0), 0.3));
+        let turned = |[a, b, c]: [Vec3; 3]| [a, c, b];
+        let of = |meshes: &[Vec<[Vec3; 3]>]| {
+            let [same, near] = Soup::of(&world(meshes)).expect("triangles").coincident(&places(), EYE);
+            assert_eq!(near, None, "one plane");
+            told(same)
+        };
+        for rug in [rug, turned(rug)] {
+            let told = of(&[vec![floor], vec![rug]]);
+            assert!(
+                told.starts_with("b: 1 of 2 triangles coincide exactly with others (beside a)"),
+                "{told}"
+            );
+            assert!(told.contains("; take one of both away"), "{told}");
+        }
+        let twice = of(&[vec![floor], vec![floor]]);
+        assert!(twice.starts_with("a: 2 of 2 triangles coincide exactly with others (beside b)"), "{twice}");
+        assert_eq!(of(&[vec![floor, turned(floor)]]), "", "both sides of a sheet");
+        // What stands on the floor hides its own bottom.
+        let lid = flat(Vec3::new(-2.0, -2.0, 1.0), 9.0);
+        assert_eq!(of(&[vec![floor], vec![rug, lid]]), "", "unseen");
+        let beside = [Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
+        assert_eq!(of(&[vec![floor], vec![beside]]), "", "tiles of one floor");
     }
 }
