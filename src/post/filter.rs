@@ -5,7 +5,7 @@ use super::gather::{self, Aim, Patch, Total};
 use super::gbuffer::{GBuffer, Mirror, Rgb3};
 use super::half::{self, Corners};
 use super::lobe::Lobe;
-use super::pyramid::{Depth, Pyramid};
+use super::pyramid::{Key, Pyramid};
 use super::reach::reach;
 use super::settings::{Correction, Fuzzy, Shape, Weighting};
 use crate::image::Window;
@@ -138,9 +138,13 @@ impl Plans {
         &self.pixels[(y - self.window.y0) as usize * width + (x - self.window.x0) as usize]
     }
 
-    /// How often each reflector is halved at most, and by its narrowest lobe what no texel of it mixes; those that are not halved are
-    /// left out.
-    fn depths(&self, g: &GBuffer) -> BTreeMap<u32, Depth> {
+    /// What is mixed in texels for a pixel: its reflector, but for normals that its own lobe keeps apart.
+    fn key(&self, mirror: &Mirror, plan: &Plan) -> Key {
+        Key::new(mirror.reflector, self.lobes[plan.lobe as usize].normals_apart())
+    }
+
+    /// How often what is mixed is halved at most; what is not halved is left out.
+    fn depths(&self, g: &GBuffer) -> BTreeMap<Key, u32> {
         let mut depths = BTreeMap::new();
         for y in self.window.y0..self.window.y1 {
             for x in self.window.x0..self.window.x1 {
@@ -148,10 +152,8 @@ impl Plans {
                 if let Some(mirror) =
                     g.texel(x, y).and_then(|texel| texel.mirror.as_ref()).filter(|_| plan.level > 0)
                 {
-                    let apart = self.lobes[plan.lobe as usize].normals_apart();
-                    let depth = depths.entry(mirror.reflector).or_insert(Depth { halvings: 0, apart });
-                    depth.halvings = plan.level.max(depth.halvings);
-                    depth.apart = apart.min(depth.apart);
+                    let halvings = depths.entry(self.key(mirror, plan)).or_insert(0);
+                    *halvings = plan.level.max(*halvings);
                 }
             }
         }
@@ -286,7 +288,7 @@ impl Job<'_> {
             rejection: self.fuzzy.speed.rejection,
         };
         let mut total = Total::default();
-        for field in self.pyramid.fields(mirror.reflector, plan.level) {
+        for field in self.pyramid.fields(self.plans.key(mirror, plan), plan.level) {
             self.add(isa, (field, &aim, &self.patch([x, y], plan, plan.level)), [x, y], &mut total);
         }
         // Whole pixels, too, where no texel is of nothing but this face.

@@ -258,6 +258,31 @@ fn a_part_of_a_picture_is_as_in_the_whole() {
 }
 
 #[test]
+fn a_part_with_one_of_several_lobes_is_as_in_the_whole() {
+    // One reflector, of exponent 50 to the left and 300 to the right; its normals tremble by 23 degrees from column to column, which the one
+    // lobe mixes and the other does not. Windows of both are looked at in smaller pictures.
+    let mut g = facing(([120, 60], 200.0), (1.0, 2.0), 50.0, |_| [0.0; 3]);
+    for (i, texel) in (0_u16..).zip(&mut g.texels) {
+        let Some(mirror) = &mut texel.mirror else { continue };
+        let column = i % 120;
+        mirror.exponent = if column < 60 { 50.0 } else { 300.0 };
+        mirror.normal = Vec3::new(if column % 2 == 0 { 0.2 } else { -0.2 }, 0.0, 0.98_f32.sqrt());
+        mirror.normal = mirror.normal.normalize();
+        mirror.radiance = [f32::from(i % 17), f32::from(i % 5), 1.0];
+    }
+    let window = Window { x0: 5, y0: 13, x1: 37, y1: 40 };
+    for (name, speed) in ways() {
+        let fuzzy = Fuzzy { correction: Correction::SolidAngle, speed, lost_mass: 0.01, ..WHOLE };
+        let whole = filtered(&g, &fuzzy);
+        let part = filter(&g, window, &fuzzy, (Level::best(), 0));
+        let places = (13..40_usize).flat_map(|y| (5..37_usize).map(move |x| y * 120 + x));
+        for (at, light) in places.zip(&part.reflected) {
+            assert_eq!(whole.reflected[at].map(f32::to_bits), light.map(f32::to_bits), "{name} at {at}");
+        }
+    }
+}
+
+#[test]
 fn pictures_do_not_depend_on_threads_or_crops() {
     for more in ["", "fuzzy.half = 4", "fuzzy.taps = 60", "fuzzy.pyramid = \"off\"", "fuzzy.pyramid = 3"] {
         let text = ball_on_floor(&format!("glossy = \"two-pass\"\nfuzzy.max_radius = 24\n{more}"));
