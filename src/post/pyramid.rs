@@ -138,7 +138,10 @@ fn chord2(a: [f32; 3], b: [f32; 3]) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::gbuffer::{End, Mirror, Texel};
     use super::*;
+    use crate::image::Window;
+    use glam::Vec3;
 
     /// A texel of so many pixels whose normal is off by a chord.
     fn texel(chord: f32, m: f32) -> Values {
@@ -175,5 +178,42 @@ mod tests {
         // Each is near the first, but not near each other.
         let bent = [texel(0.0, 4.0), texel(0.15, 4.0), texel(-0.15, 4.0), texel(0.0, 4.0)];
         assert!(!is_mixed(bent), "bent both ways");
+    }
+
+    /// A flat mirror seen from above; what it mirrors, a metre away, goes back on itself from column 12 on. Pixel (5, 5) has no neighbours.
+    fn folded() -> GBuffer {
+        let texel = |x: u32, y: u32| {
+            let (column, row) = (x as f32, y as f32);
+            let a = Vec3::new(column - 8.0, 8.0 - row, 0.0) * 0.01;
+            let b = Vec3::new(-0.02 * (column - 12.1).abs(), 0.02 * (8.0 - row), 1.0);
+            let mirror = Mirror {
+                radiance: [1.0; 3],
+                factor: [1.0; 3],
+                a,
+                normal: Vec3::Z,
+                end: End::At(b),
+                s: 1.0,
+                reflector: if x.abs_diff(5) + y.abs_diff(5) == 1 { 2 } else { 1 },
+                exponent: 50.0,
+                strength: 1.0,
+                hit: 1,
+            };
+            Texel { mirror: Some(mirror), alpha: 1.0, ..Texel::default() }
+        };
+        let texels = (0..16).flat_map(|y| (0..16).map(move |x| texel(x, y))).collect();
+        GBuffer { full: [16; 2], window: Window::whole(16, 16), scale: 100.0, weight: 1.0, texels }
+    }
+
+    #[test]
+    fn areas_of_pixels_add_up() {
+        let field = Field::of(&folded(), true);
+        for [x, y] in (0..8).flat_map(|y| (0..8).map(move |x| [x, y])) {
+            let pixels = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| field.values([2 * x + i, 2 * y + j]));
+            let own = pixels.iter().filter(|pixel| pixel.id == 1);
+            let wanted = own.map(|pixel| pixel.area[2].abs()).sum::<f32>();
+            let found = mean(&field, (Key::new(1, 0.04), true), [x, y]).area[2];
+            assert!(wanted > 0.0, "an area of each pixel");
+            assert!((found.abs() / wanted - 1.0).abs() < 1e-5, "{x} {y}: {found}, not {wanted}");
+        }
     }
 }
