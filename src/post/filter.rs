@@ -212,6 +212,18 @@ fn halvings([short, long]: [f32; 2], target: f32) -> u32 {
     by_area.min(by_width).clamp(0.0, MOST_HALVED) as u32
 }
 
+/// How many pixels beyond a pixel on each side, at most, what is filtered for it reads.
+///
+/// A window reaches as far as its radius; in a smaller picture half a texel farther, by a tap that may lie on the border of its texel, all of which counts. A
+/// pixel between filtered ones has theirs, two pixels off, and areas are told by neighbours.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
+pub fn margin(fuzzy: &Fuzzy) -> u32 {
+    // As `halvings` has it.
+    let texel = fuzzy.speed.pyramid.map_or(0.0, |target| fuzzy.max_radius / target.max(NARROWEST));
+    (fuzzy.max_radius + 1.5 * texel).ceil() as u32 + 4
+}
+
 /// A window with a margin, as far as there are pixels.
 fn grown(window: Window, margin: u32, most: Window) -> Window {
     Window {

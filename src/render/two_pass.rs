@@ -31,9 +31,6 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Windows reach this much farther than their radius, as a part of it: by a texel of a smaller picture.
-const REACH: f32 = 1.25;
-
 /// Refuses what does not go together; `is_kept` if copies are to be kept or there is one to go on from.
 pub(super) fn check(scene: &Scene, settings: &Settings, is_kept: bool) -> Result<()> {
     if scene.render.glossy != FuzzyBy::TwoPass {
@@ -218,9 +215,8 @@ impl<A: Accel> Pass<'_, A> {
 }
 
 /// The pixels that those of the window may need.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
 fn around(plan: &Plan<'_>, fuzzy: &Fuzzy) -> Window {
-    let margin = (fuzzy.max_radius * REACH).ceil() as u32 + 4;
+    let margin = post::margin(fuzzy);
     let Window { x0, y0, x1, y1 } = plan.window;
     Window {
         x0: x0.saturating_sub(margin),
