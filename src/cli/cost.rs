@@ -10,7 +10,10 @@ use super::frozen::Frozen;
 use super::options::{Cost, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::render::{self, Progress, Rendered, Studio};
-use crate::scene::{self, description::Sampler};
+use crate::scene::{
+    self,
+    description::{FuzzyBy, Sampler},
+};
 use crate::tradeoff::curve::Curve;
 use crate::tradeoff::kept::Kept;
 use crate::tradeoff::outcomes_kept;
@@ -37,7 +40,7 @@ pub(super) struct Prediction {
 /// The part of the processors' time before a limit that samples are taken in: the last pass does not always fit.
 const USED: f64 = 0.98;
 
-/// The part of a budget that a first look may take.
+/// The part of a budget that first looks may take.
 const LOOK: f64 = 0.05;
 
 /// What a first look may take in seconds where there is no budget.
@@ -59,6 +62,7 @@ pub(super) fn settle(
         );
         return Err(problem.remedy("leave out --preset and --budget").into());
     };
+    check_look(&cost, &frozen)?;
     let (frozen, prediction) = match &cost {
         Cost::Preset(preset) => by_preset(options, frozen, (*preset, start, kind), (studio, progress))?,
         Cost::Budget { time, runs: None } => {
@@ -79,6 +83,21 @@ pub(super) fn settle(
         prediction.cpu_s,
     );
     Ok((frozen, Some(prediction)))
+}
+
+/// Refuses to choose by a look where it tells no noise, and takes nearly as long as the picture: squares of a filtered picture are traced with as
+/// much around them as windows reach.
+fn check_look(cost: &Cost, frozen: &Frozen) -> Result<()> {
+    let (what, instead) = match cost {
+        Cost::Preset(_) => ("a preset", ""),
+        Cost::Budget { runs: None, .. } => ("a budget without runs of the scene", "`--tradeoff`, "),
+        Cost::Budget { runs: Some(_), .. } => return Ok(()),
+    };
+    if frozen.scene.render.glossy != FuzzyBy::TwoPass {
+        return Ok(());
+    }
+    let problem = Problem::new(format!("{what} goes by noise, which a filtered picture hides"));
+    Err(problem.remedy(format!("give {instead}`--spp` or `--time-limit`, or `glossy = \"lobe\"`")).into())
 }
 
 impl Prediction {
@@ -202,11 +221,11 @@ fn by_look(
     (time, start, kind): (Duration, Instant, Kind),
     (studio, progress): (&mut Studio, &dyn Progress),
 ) -> Result<(Frozen, Prediction)> {
-    let all_s = time.as_secs_f64() * threads(options);
+    let look_s = LOOK * time.as_secs_f64() / 2.0;
     let left = |start: Instant| time.saturating_sub(start.elapsed()).as_secs_f64();
     // As the scene is, to see which error there is time for; then with what reaches that one soonest.
     let mut frozen = frozen;
-    let (first, curve) = look(options, &mut frozen, &plain(), (LOOK * all_s / 2.0, studio, progress))?;
+    let (first, curve) = look(options, &mut frozen, &plain(), (look_s, studio, progress))?;
     let error = curve.error(curve.samples_in(left(start) * threads(options)).max(1.0));
     let advice = presets::advice(kind, error, &suits_budgets).unwrap_or_else(plain);
     let set = advice.set.clone();
@@ -214,7 +233,7 @@ fn by_look(
     let curve = if set.is_empty() {
         first.curve(advice.slope, advice.bias2).ok_or_else(no_look)?.larger(part(options, &frozen))
     } else {
-        look(options, &mut frozen, &advice, (LOOK * all_s / 2.0, studio, progress))?.1
+        look(options, &mut frozen, &advice, (look_s, studio, progress))?.1
     };
     let cpu_s = USED * left(start) * threads(options);
     let spp = curve.samples_in(cpu_s).clamp(1.0, f64::from(frozen.scene.render.spp()));

@@ -5,7 +5,7 @@ use super::gather::{self, Aim, Patch, Total};
 use super::gbuffer::{GBuffer, Mirror, Rgb3};
 use super::half::{self, Corners};
 use super::lobe::Lobe;
-use super::pyramid::{Depth, Pyramid};
+use super::pyramid::{Key, Pyramid};
 use super::reach::reach;
 use super::settings::{Correction, Fuzzy, Shape, Weighting};
 use crate::image::Window;
@@ -138,9 +138,13 @@ impl Plans {
         &self.pixels[(y - self.window.y0) as usize * width + (x - self.window.x0) as usize]
     }
 
-    /// How often each reflector is halved at most, and by its narrowest lobe what no texel of it mixes; those that are not halved are
-    /// left out.
-    fn depths(&self, g: &GBuffer) -> BTreeMap<u32, Depth> {
+    /// What is mixed in texels for a pixel: its reflector, but for normals that its own lobe keeps apart.
+    fn key(&self, mirror: &Mirror, plan: &Plan) -> Key {
+        Key::new(mirror.reflector, self.lobes[plan.lobe as usize].normals_apart())
+    }
+
+    /// How often what is mixed is halved at most; what is not halved is left out.
+    fn depths(&self, g: &GBuffer) -> BTreeMap<Key, u32> {
         let mut depths = BTreeMap::new();
         for y in self.window.y0..self.window.y1 {
             for x in self.window.x0..self.window.x1 {
@@ -148,10 +152,8 @@ impl Plans {
                 if let Some(mirror) =
                     g.texel(x, y).and_then(|texel| texel.mirror.as_ref()).filter(|_| plan.level > 0)
                 {
-                    let apart = self.lobes[plan.lobe as usize].normals_apart();
-                    let depth = depths.entry(mirror.reflector).or_insert(Depth { halvings: 0, apart });
-                    depth.halvings = plan.level.max(depth.halvings);
-                    depth.apart = apart.min(depth.apart);
+                    let halvings = depths.entry(self.key(mirror, plan)).or_insert(0);
+                    *halvings = plan.level.max(*halvings);
                 }
             }
         }
@@ -208,6 +210,18 @@ fn halvings([short, long]: [f32; 2], target: f32) -> u32 {
     let by_area = ((short * long).sqrt() / target.max(1.0)).log2();
     let by_width = (short / NARROWEST).log2();
     by_area.min(by_width).clamp(0.0, MOST_HALVED) as u32
+}
+
+/// How many pixels beyond a pixel on each side, at most, what is filtered for it reads.
+///
+/// A window reaches as far as its radius; in a smaller picture half a texel farther, by a tap that may lie on the border of its texel, all of which counts. A
+/// pixel between filtered ones has theirs, two pixels off, and areas are told by neighbours.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
+pub fn margin(fuzzy: &Fuzzy) -> u32 {
+    // As `halvings` has it.
+    let texel = fuzzy.speed.pyramid.map_or(0.0, |target| fuzzy.max_radius / target.max(NARROWEST));
+    (fuzzy.max_radius + 1.5 * texel).ceil() as u32 + 4
 }
 
 /// A window with a margin, as far as there are pixels.
@@ -286,7 +300,7 @@ impl Job<'_> {
             rejection: self.fuzzy.speed.rejection,
         };
         let mut total = Total::default();
-        for field in self.pyramid.fields(mirror.reflector, plan.level) {
+        for field in self.pyramid.fields(self.plans.key(mirror, plan), plan.level) {
             self.add(isa, (field, &aim, &self.patch([x, y], plan, plan.level)), [x, y], &mut total);
         }
         // Whole pixels, too, where no texel is of nothing but this face.

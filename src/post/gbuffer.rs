@@ -5,8 +5,8 @@ use glam::Vec3;
 
 /// A picture of geometry, one ray per pixel.
 ///
-/// Rays of neighbouring pixels are a pixel apart: the grid may be moved as a whole, as it is from one sample of a picture to the next, but
-/// no ray by itself, since the filter takes pixels for samples of equal area.
+/// Rays of neighbouring pixels are a pixel apart: the grid may be moved as a whole, as it is from one sample of a picture to the next, on the
+/// film, on the lens and in time, but no ray by itself, since the filter takes pixels for samples of equal area.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GBuffer {
     /// Width and height of the whole picture.

@@ -26,7 +26,7 @@ mod pyramid;
 mod reach;
 mod settings;
 
-pub use filter::{Filtered, filter};
+pub use filter::{Filtered, filter, margin};
 pub use gbuffer::{End, GBuffer, Mirror, Rgb3, Texel};
 pub use layers::{Saved, layers, saved};
 pub use lobe::{Lobe, exponent_of_roughness};

@@ -65,8 +65,8 @@ fn ellipse(g: &GBuffer, at: [u32; 2], mirror: &Mirror, lobe: &Lobe) -> Option<[f
     (determinant > 1e-6 * uu * vv && extents.iter().all(|x| x.is_finite())).then_some(extents)
 }
 
-/// The area about the end of a pixel's ray that is the pixel's, as a vector along its normal; of rays without an end, the solid angle of
-/// their directions.
+/// The area about the end of a pixel's ray that is the pixel's, as a vector along its normal, on the side that the ray goes to, so that areas of
+/// pixels add up; of rays without an end, the solid angle of their directions.
 pub(super) fn area(g: &GBuffer, at: [u32; 2], mirror: &Mirror) -> Vec3 {
     let step = |other: &Mirror| match (mirror.end, other.end) {
         (End::At(b), End::At(other)) => Some(other - b),
@@ -77,11 +77,12 @@ pub(super) fn area(g: &GBuffer, at: [u32; 2], mirror: &Mirror) -> Vec3 {
         [Some(u), Some(v)] => u.cross(v),
         _ => Vec3::ZERO,
     };
+    let w = mirror.direction().unwrap_or(Vec3::Z);
     if found.is_finite() && found != Vec3::ZERO {
-        return found;
+        // Where rays cross on their way, right and left change places.
+        return if found.dot(w) < 0.0 { -found } else { found };
     }
     // As if all were flat and straight on.
-    let w = mirror.direction().unwrap_or(Vec3::Z);
     let side = if let End::At(_) = mirror.end { mirror.s + mirror.length() } else { 1.0 };
     w * (side / g.scale).powi(2)
 }

@@ -4,7 +4,8 @@
 //! numbers of reflectors are what one ray saw, and nothing bleeds over edges; the film then takes means of filtered pictures, as it
 //! does of samples. Means of equal reflectors, filtered once, would be cheaper by the number of samples and would have to give up the
 //! pixels on edges, where samples differ. Within a picture all rays are moved on the film by the same distance, that of the sample's number in
-//! a sequence: the filter takes pixels for equal areas, which they are only in a grid.
+//! a sequence, and go through the same point of the lens at the same moment: the filter takes pixels for equal areas, and differences of
+//! neighbours for differentials, which they are only in a grid.
 //!
 //! A crop is traced with a margin as wide as the widest window may be, so that its pixels do not depend on it.
 
@@ -29,9 +30,6 @@ use crate::scene::description::{FuzzyBy, FuzzyFilter, Integrator};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-
-/// Windows reach this much farther than their radius, as a part of it: by a texel of a smaller picture.
-const REACH: f32 = 1.25;
 
 /// Refuses what does not go together; `is_kept` if copies are to be kept or there is one to go on from.
 pub(super) fn check(scene: &Scene, settings: &Settings, is_kept: bool) -> Result<()> {
@@ -183,8 +181,9 @@ impl<A: Accel> Pass<'_, A> {
         }
     }
 
+    /// The ray of a pixel, on the lens and in time where those of all others are.
     fn camera(&self, pixel: [u32; 2]) -> CameraRay {
-        let sampler = self.plan.start(pixel, self.index);
+        let sampler = self.plan.start([0_u32, 0], self.index);
         let CameraSamples { o, d, time, .. } = self.plan.camera_samples_at(pixel, self.film, &sampler);
         CameraRay { ray: Ray::new(o.into(), d.into()).at_time(time), found: None }
     }
@@ -216,9 +215,8 @@ impl<A: Accel> Pass<'_, A> {
 }
 
 /// The pixels that those of the window may need.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of pixels")]
 fn around(plan: &Plan<'_>, fuzzy: &Fuzzy) -> Window {
-    let margin = (fuzzy.max_radius * REACH).ceil() as u32 + 4;
+    let margin = post::margin(fuzzy);
     let Window { x0, y0, x1, y1 } = plan.window;
     Window {
         x0: x0.saturating_sub(margin),

@@ -1,8 +1,8 @@
 //! A first look at a picture: how long its samples take and how noisy they are, from some of its pixels.
 //!
 //! Squares of pixels spread over the picture, at its full size, so that edges and textures are what they will be; each rendered twice with different
-//! seeds. Half the squared difference of both is the variance of one; the reference that relMSE divides by is what the other numbers of samples say, so
-//! that bright specks do not hide themselves. Light that no sample has found is not in it.
+//! seeds, as many of them as there is time for. Half the squared difference of both is the variance of one; the reference that relMSE divides by is
+//! what the other numbers of samples say, so that bright specks do not hide themselves. Light that no sample has found is not in it.
 
 use super::curve::Curve;
 use super::student::Interval;
@@ -33,6 +33,9 @@ const SIDE: u32 = 16;
 /// Squares, at most.
 const SQUARES: u32 = 64;
 
+/// Pixels along the edge of a part of a picture all of which is looked at.
+const PART: u32 = 2 * SIDE;
+
 /// How far seeds are from those of the picture.
 const SEEDS: u64 = 1 << 25;
 
@@ -48,8 +51,9 @@ impl Progress for Unheard<'_> {
 }
 
 impl Pilot {
-    /// Looks at a scene in a studio, which then has its hierarchy; `most_s` seconds of the processor are to be enough: then there is no
-    /// second look where the first one shows that it would take longer. The scene is as before at the end.
+    /// Looks at a scene in a studio, which then has its hierarchy; `most_s` seconds of tracing by the clock are to be enough: the first look ends
+    /// at the square that would take longer, but for the very first one, and there is a second look only where there is time for all of it. The scene is as
+    /// before at the end.
     ///
     /// Fails as rendering does.
     pub fn of(scene: &mut Scene, studio: &mut Studio, most_s: f64, progress: &dyn Progress) -> Result<Self> {
@@ -61,31 +65,19 @@ impl Pilot {
 
     fn looks(scene: &mut Scene, studio: &mut Studio, most_s: f64, progress: &dyn Progress) -> Result<Self> {
         let squares = squares([scene.film.width, scene.film.height]);
-        let pixels: f64 = squares.iter().map(|square| f64::from(square.width() * square.height())).sum();
-        let all = f64::from(scene.film.width) * f64::from(scene.film.height);
-        let first = scene.render.seed.wrapping_add(SEEDS);
-        let mut looks: Vec<(u32, [Values; 2])> = Vec::new();
-        let mut pace_s = 0.0;
-        for (number, spp) in (0..).zip(LOOKS) {
-            if number > 0 && 2.0 * f64::from(spp) * pace_s * pixels / all > most_s {
-                break;
-            }
-            let mut both = [Values::new(), Values::new()];
-            let mut cpu = 0.0;
-            for (half, values) in (0..).zip(&mut both) {
-                scene.render.spp = Some(spp);
-                scene.render.seed = first.wrapping_add(2 * number + half);
-                for &square in &squares {
-                    let settings = Settings { crop: Some(square), ..Settings::default() };
-                    let rendered = studio.render(scene, &settings, progress, Kept::default())?;
-                    cpu += rendered.statistics.render.cpu.as_secs_f64();
-                    values.extend(values_of(&rendered));
-                }
-            }
-            pace_s = cpu / (2.0 * f64::from(spp) * pixels) * all;
-            looks.push((spp, both));
+        let seed = scene.render.seed.wrapping_add(SEEDS);
+        let [few, many] = LOOKS;
+        let first = Look::at(&squares, (few, seed), (scene, studio, most_s), progress)?;
+        // At the pace of the first one.
+        let both_s = first.spent.wall.as_secs_f64() * (1.0 + f64::from(many) / f64::from(few));
+        let mut looks = vec![first];
+        if looks[0].squares == squares.len() && both_s <= most_s {
+            let seed = seed.wrapping_add(2);
+            looks.push(Look::at(&squares, (many, seed), (scene, studio, f64::INFINITY), progress)?);
         }
-        let noise = (0..looks.len()).map(|i| [f64::from(looks[i].0), variance(&looks, i)]).collect();
+        let all = f64::from(scene.film.width) * f64::from(scene.film.height);
+        let pace_s = looks.last().map_or(0.0, |look| look.pace_s() * all);
+        let noise = (0..looks.len()).map(|i| [f64::from(looks[i].spp), variance(&looks, i)]).collect();
         Ok(Self { pace_s, noise, spent: Phase::default() })
     }
 
@@ -109,19 +101,69 @@ impl Pilot {
 /// Radiance of pixels.
 type Values = Vec<[f32; 3]>;
 
+/// Squares, each rendered twice with different seeds.
+#[derive(Clone, Debug, Default)]
+struct Look {
+    /// Samples per pixel.
+    spp: u32,
+    /// What both times came to.
+    both: [Values; 2],
+    /// How many squares there are, of how many pixels.
+    squares: usize,
+    pixels: u32,
+    /// How long tracing took.
+    spent: Phase,
+}
+
+impl Look {
+    /// Looks at squares, with the seed and the next one, until there are no more or the next square would make it longer than `most_s`; at the first one
+    /// in any case.
+    fn at(
+        squares: &[Window],
+        (spp, seed): (u32, u64),
+        (scene, studio, most_s): (&mut Scene, &mut Studio, f64),
+        progress: &dyn Progress,
+    ) -> Result<Self> {
+        let mut look = Self { spp, ..Self::default() };
+        scene.render.spp = Some(spp);
+        for &square in squares {
+            let pixels = square.width() * square.height();
+            let pace_s = look.spent.wall.as_secs_f64() / f64::from(look.pixels.max(1));
+            if look.squares > 0 && pace_s * f64::from(look.pixels + pixels) > most_s {
+                break;
+            }
+            for (half, values) in (0..).zip(&mut look.both) {
+                scene.render.seed = seed.wrapping_add(half);
+                let settings = Settings { crop: Some(square), ..Settings::default() };
+                let rendered = studio.render(scene, &settings, progress, Kept::default())?;
+                look.spent += rendered.statistics.render;
+                values.extend(values_of(&rendered));
+            }
+            look.squares += 1;
+            look.pixels += pixels;
+        }
+        Ok(look)
+    }
+
+    /// Seconds of the processor for a sample of a pixel.
+    fn pace_s(&self) -> f64 {
+        self.spent.cpu.as_secs_f64() / (2.0 * f64::from(self.spp) * f64::from(self.pixels.max(1)))
+    }
+}
+
 fn values_of(rendered: &Rendered) -> Values {
     rendered.film.values(rendered.film.window())
 }
 
 /// The variance of look `at`, weighed by what all others say of the pixels; by its own mean where there are none.
 #[expect(clippy::cast_precision_loss, reason = "few pictures and pixels")]
-fn variance(looks: &[(u32, [Values; 2])], at: usize) -> f64 {
-    let (_, [x, y]) = &looks[at];
+fn variance(looks: &[Look], at: usize) -> f64 {
+    let [x, y] = &looks[at].both;
     let others: Vec<&Values> = looks
         .iter()
         .enumerate()
         .filter(|(i, _)| looks.len() == 1 || *i != at)
-        .flat_map(|(_, (_, both))| both)
+        .flat_map(|(_, look)| &look.both)
         .collect();
     let mut sum = 0.0;
     for i in 0..x.len() {
@@ -134,11 +176,27 @@ fn variance(looks: &[(u32, [Values; 2])], at: usize) -> f64 {
     sum / (3 * x.len()).max(1) as f64
 }
 
-/// Squares over a picture, one at a place by chance in each cell of a grid; all of a small picture.
+/// Squares over a picture, one at a place by chance in each cell of a grid; all of a small picture, in parts. They follow one another by chance, so that
+/// the first few are spread, too.
 fn squares([width, height]: [u32; 2]) -> Vec<Window> {
-    if u64::from(width) * u64::from(height) <= u64::from(2 * SQUARES * SIDE * SIDE) {
-        return vec![Window::whole(width, height)];
-    }
+    let mut squares = if u64::from(width) * u64::from(height) <= u64::from(2 * SQUARES * SIDE * SIDE) {
+        parts([width, height])
+    } else {
+        spread([width, height])
+    };
+    squares.sort_by_key(|square| hash::pixel_key(0, [square.x0, square.y0]));
+    squares
+}
+
+/// All of a picture.
+fn parts([width, height]: [u32; 2]) -> Vec<Window> {
+    let part = |x0: u32, y0: u32| Window { x0, y0, x1: (x0 + PART).min(width), y1: (y0 + PART).min(height) };
+    let edges = |length: u32| (0..length).step_by(PART as usize);
+    edges(height).flat_map(|y| edges(width).map(move |x| part(x, y))).collect()
+}
+
+/// One in each cell of a grid.
+fn spread([width, height]: [u32; 2]) -> Vec<Window> {
     let across = columns([width, height]);
     let down = (SQUARES / across).max(1);
     let mut squares = Vec::new();
@@ -184,19 +242,63 @@ mod tests {
                 assert!(!squares[..i].contains(square), "{square:?} twice");
             }
         }
-        assert_eq!(squares([160, 90]), [Window::whole(160, 90)], "all of a small picture");
+        for size in [[160, 90], [37, 21], [5, 4]] {
+            let squares = squares(size);
+            let places = squares
+                .iter()
+                .flat_map(|it| (it.y0..it.y1).flat_map(|y| (it.x0..it.x1).map(move |x| [y, x])));
+            let mut places: Vec<[u32; 2]> = places.collect();
+            places.sort_unstable();
+            let all: Vec<[u32; 2]> = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| [y, x])).collect();
+            assert_eq!(places, all, "all of a small picture, once");
+        }
+    }
+
+    #[test]
+    fn the_first_few_squares_are_spread() {
+        for size in [[1280, 720], [160, 90]] {
+            let squares = squares(size);
+            for axis in 0..2 {
+                let middle = |it: &Window| [it.x0 + it.x1, it.y0 + it.y1][axis];
+                let beyond = squares[..8].iter().filter(|it| middle(it) > size[axis]).count();
+                assert!((1..8).contains(&beyond), "{size:?}: {beyond} of 8 beyond the middle, {squares:?}");
+            }
+        }
+    }
+
+    /// A ball in white light.
+    fn ball([width, height]: [u32; 2]) -> Scene {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("a.toml");
+        let head = format!("[film]\nwidth = {width}\nheight = {height}\n");
+        let text = "[render]\nintegrator = 'path'\nspp = 3\nseed = 5\n[materials.m]\n\
+            type = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\n\
+            radiance = 1.0\n";
+        std::fs::write(&path, head + text).expect("written");
+        let loaded = scene::load(&path, &[]).expect("a scene file");
+        scene::build(&loaded.description).expect("a scene").scene
+    }
+
+    #[test]
+    fn a_look_ends_when_its_time_is_over() {
+        let squares = squares([160, 90]);
+        let (mut scene, mut studio) = (ball([160, 90]), Studio::new(NonZeroUsize::new(1)).expect("threads"));
+        let mut look =
+            |most_s| Look::at(&squares, (4, 7), (&mut scene, &mut studio, most_s), &Silent).expect("a look");
+        let (all, one) = (look(1e9), look(0.0));
+        assert_eq!((all.squares, all.pixels), (squares.len(), 160 * 90), "all of them in time");
+        assert_eq!((one.squares, one.pixels), (1, squares[0].width() * squares[0].height()), "the first one");
+        for (all, one) in all.both.iter().zip(&one.both) {
+            assert_eq!(one[..], all[..one.len()], "as far as it came");
+        }
+        let pilot = Pilot::of(&mut scene, &mut studio, 0.0, &Silent).expect("a look");
+        assert_eq!(pilot.noise.len(), 1, "no second one: {pilot:?}");
+        assert!(pilot.pace_s >= 0.0 && pilot.noise[0][1].is_finite(), "{pilot:?}");
     }
 
     #[test]
     fn both_looks_and_the_picture_share_a_hierarchy() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let path = folder.path().join("a.toml");
-        let text = "[film]\nwidth = 8\nheight = 4\n[render]\nintegrator = 'path'\nspp = 3\nseed = 5\n[materials.m]\n\
-            type = 'diffuse'\n[[shapes]]\ntype = 'sphere'\nradius = 1.0\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\n\
-            radiance = 1.0\n";
-        std::fs::write(&path, text).expect("written");
-        let loaded = scene::load(&path, &[]).expect("a scene file");
-        let mut scene = scene::build(&loaded.description).expect("a scene").scene;
+        let mut scene = ball([8, 4]);
         let mut studio = Studio::new(NonZeroUsize::new(1)).expect("threads");
         let pilot = Pilot::of(&mut scene, &mut studio, 1e9, &Silent).expect("a look");
         assert_eq!(pilot.noise.len(), 2, "both looks: {pilot:?}");
@@ -208,7 +310,8 @@ mod tests {
 
     #[test]
     fn variance_is_half_the_squared_difference_over_the_others() {
-        let look = |spp, x: f32, y: f32| (spp, [vec![[x; 3]; 2], vec![[y; 3]; 2]]);
+        let look =
+            |spp, x: f32, y: f32| Look { spp, both: [vec![[x; 3]; 2], vec![[y; 3]; 2]], ..Look::default() };
         let looks = [look(4, 1.0, 1.4), look(16, 2.0, 2.0)];
         let wanted = 0.16 / 2.0 / (4.0 + RELATIVE_FLOOR);
         assert!((variance(&looks, 0) / wanted - 1.0).abs() < 1e-5, "{}", variance(&looks, 0));

@@ -95,6 +95,10 @@ fn what_cannot_be_is_refused() {
     run(&desk, &["render", "scene.toml", "-o", "whole.exr", "--aov", "gbuffer", "--spp", "1"]);
     let said = refused(&desk, &["fuzzy", "whole.exr", "--lost-mass", "2", "--window", "star"]);
     assert!(said.contains("lost_mass") && said.contains("star"), "{said}");
+    let said = refused(&desk, &["fuzzy", "whole.exr", "--exponent", "9", "-o", "./whole.exr"]);
+    assert!(said.contains("`./whole.exr` is read and would be overwritten"), "{said}");
+    run(&desk, &["fuzzy", "whole.exr", "-o", "again.exr"]);
+    assert_eq!(bits(&desk, "whole.exr"), bits(&desk, "again.exr"), "the first pass is there as before");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use specula::image::Window;
 use specula::math::lanes::Level;
 use specula::post::{
     Correction, End, Filtered, Fuzzy, GBuffer, Lobe, Radius, Rejection, Shape, Speed, Weighting, filter,
+    margin,
 };
 use specula::render::Settings;
 use std::num::NonZeroUsize;
@@ -255,6 +256,72 @@ fn a_part_of_a_picture_is_as_in_the_whole() {
             assert_eq!(whole.reflected[at].map(f32::to_bits), light.map(f32::to_bits), "{name} at {at}");
         }
     }
+}
+
+#[test]
+fn a_part_with_one_of_several_lobes_is_as_in_the_whole() {
+    // One reflector, of exponent 50 to the left and 300 to the right; its normals tremble by 23 degrees from column to column, which the one
+    // lobe mixes and the other does not. Windows of both are looked at in smaller pictures.
+    let mut g = facing(([120, 60], 200.0), (1.0, 2.0), 50.0, |_| [0.0; 3]);
+    for (i, texel) in (0_u16..).zip(&mut g.texels) {
+        let Some(mirror) = &mut texel.mirror else { continue };
+        let column = i % 120;
+        mirror.exponent = if column < 60 { 50.0 } else { 300.0 };
+        mirror.normal = Vec3::new(if column % 2 == 0 { 0.2 } else { -0.2 }, 0.0, 0.98_f32.sqrt());
+        mirror.normal = mirror.normal.normalize();
+        mirror.radiance = [f32::from(i % 17), f32::from(i % 5), 1.0];
+    }
+    let window = Window { x0: 5, y0: 13, x1: 37, y1: 40 };
+    for (name, speed) in ways() {
+        let fuzzy = Fuzzy { correction: Correction::SolidAngle, speed, lost_mass: 0.01, ..WHOLE };
+        let whole = filtered(&g, &fuzzy);
+        let part = filter(&g, window, &fuzzy, (Level::best(), 0));
+        let places = (13..40_usize).flat_map(|y| (5..37_usize).map(move |x| y * 120 + x));
+        for (at, light) in places.zip(&part.reflected) {
+            assert_eq!(whole.reflected[at].map(f32::to_bits), light.map(f32::to_bits), "{name} at {at}");
+        }
+    }
+}
+
+/// A part of a picture, without the rest.
+fn cut(g: &GBuffer, window: Window) -> GBuffer {
+    let places = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+    GBuffer { window, texels: places.filter_map(|(x, y)| g.texel(x, y).copied()).collect(), ..*g }
+}
+
+#[test]
+fn nothing_beyond_the_margin_is_read() {
+    // Windows end far within the lobe, so that all of them counts to their ends.
+    let g = facing(([400, 48], 300.0), (1.0, 1.0), 5.0, |b| [(40.0 * b.x).sin() + 1.0, b.y + 2.0, 1.0]);
+    let all = Window { x0: 159, y0: 15, x1: 225, y1: 18 };
+    let is_as_in_the_whole = |fuzzy: &Fuzzy, margin: u32| {
+        let whole = filter(&g, all, fuzzy, (Level::best(), 0)).reflected;
+        // Texels of 32 pixels begin with these pixels, or end before them.
+        [159, 160, 177, 191, 192, 223, 224_u32].into_iter().all(|x| {
+            let window = Window { x0: x, x1: x + 1, ..all };
+            let around = Window { x0: x - margin, y0: 0, x1: x + 1 + margin, y1: 48 };
+            let part = filter(&cut(&g, around), window, fuzzy, (Level::best(), 0)).reflected;
+            let column = whole.iter().skip((x - all.x0) as usize).step_by(all.width() as usize);
+            column.zip(&part).all(|(a, b)| a.map(f32::to_bits) == b.map(f32::to_bits))
+        })
+    };
+    for pyramid in [None, Some(2.0), Some(3.0), Some(8.0)] {
+        for (taps, half) in [(None, None), (Some(20), None), (None, Some(4.0)), (Some(300), Some(4.0))] {
+            for max_radius in [7.5, 24.0, 96.0] {
+                let speed = Speed { pyramid, taps, half, ..Speed::PLAIN };
+                let correction = Correction::SolidAngle;
+                let fuzzy = Fuzzy { max_radius, speed, correction, lost_mass: 0.01, ..WHOLE };
+                assert!(is_as_in_the_whole(&fuzzy, margin(&fuzzy)), "{max_radius} {speed:?}");
+            }
+        }
+    }
+    // A third of the radius is needed there, a quarter is not enough.
+    let speed = Speed { pyramid: Some(3.0), ..Speed::PLAIN };
+    let fuzzy = Fuzzy { max_radius: 96.0, speed, lost_mass: 0.01, ..WHOLE };
+    assert!(
+        !is_as_in_the_whole(&fuzzy, 96 + 24 + 4),
+        "windows do not reach as far as this test takes them to"
+    );
 }
 
 #[test]

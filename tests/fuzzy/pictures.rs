@@ -6,7 +6,7 @@ use crate::scene::{bits, rendered, scene_in};
 use glam::DVec3;
 use specula::image::Window;
 use specula::math::lanes::Level;
-use specula::post::{End, Fuzzy, Mirror, Speed, filter};
+use specula::post::{End, Fuzzy, GBuffer, Mirror, Speed, filter};
 use specula::render::{Rendered, Settings, Silent, render};
 use std::path::Path;
 
@@ -58,6 +58,50 @@ fn a_whole_picture_is_that_of_rays_in_the_lobe() {
     println!("all {all:.3}, of itself {median:.3}, highlight {most:.3}");
     assert!(f64::from(median) > 0.1 * all && most > 2.0 * median, "{median} {most} of {all}");
     assert!(f64::from(rest.iter().sum::<f32>()) < 0.8 * all * rest.len() as f64, "no reflection");
+}
+
+#[test]
+fn rays_of_a_sample_share_lens_and_moment() {
+    let text = edge("glossy = \"two-pass\"\nspp = 4\nfuzzy.max_radius = 0", 50.0, (0.1, 0.01, 21));
+    let passes = |text: &str| {
+        let passes = rendered(text, &Settings { first_pass: true, ..Settings::default() }).first_pass;
+        assert_eq!(passes.len(), 4, "one for each sample");
+        passes
+    };
+    let at = |g: &GBuffer, x, y| g.texel(x, y).and_then(|texel| texel.mirror).expect("a mirror").a;
+    // Out of focus, the mirror is seen in a grid all the same: from another place in each sample.
+    let lens = passes(&text.replace("vfov_deg", "lens_radius = 0.05\nfocus_distance = 0.3\nvfov_deg"));
+    for g in &lens {
+        let corner = at(g, 0, 0);
+        let (right, down) = (at(g, 1, 0) - corner, at(g, 0, 1) - corner);
+        for (x, y) in (0..21_u16).flat_map(|y| (0..21).map(move |x: u16| (x, y))) {
+            let wanted = corner + right * f32::from(x) + down * f32::from(y);
+            let off = at(g, x.into(), y.into()).distance(wanted);
+            assert!(off < 1e-5 && right.length() > 1e-3, "{x} {y}: off by {off} of {}", right.length());
+        }
+    }
+    let apart = lens.iter().map(|g| at(g, 0, 0).distance(at(&lens[0], 0, 0))).fold(0.0, f32::max);
+    assert!(apart > 3e-3, "one place on the lens for all samples: {apart}");
+    // The mirror rises by 0.2 metres while the shutter is open.
+    let key =
+        |s: f32| format!("{{ time_s = {s:?}, transform = [{{ translate = [0.0, 0.0, {:?}] }}] }}", 0.2 * s);
+    let keys = format!("material = \"mirror\"\nkeys = [{}, {}]", key(0.0), key(1.0));
+    let moving = text.replace("material = \"mirror\"", &keys);
+    let moving = moving.replace("vfov_deg", "shutter_open_s = 0.0\nshutter_close_s = 1.0\nvfov_deg");
+    let heights: Vec<f32> = passes(&moving)
+        .iter()
+        .map(|g| {
+            let height = at(g, 0, 0).z;
+            let mirrors = g.texels.iter().filter_map(|texel| texel.mirror);
+            assert!(
+                mirrors.clone().count() == 441 && mirrors.clone().all(|it| (it.a.z - height).abs() < 1e-5),
+                "one moment"
+            );
+            height
+        })
+        .collect();
+    let (low, high) = heights.iter().fold((1.0_f32, 0.0_f32), |(low, high), &z| (low.min(z), high.max(z)));
+    assert!(high - low > 0.02, "one moment for all samples: {heights:?}");
 }
 
 /// What trembling normals of density cos^m send of the half plane beyond x, in a plane straight ahead at unit distance: along each azimuth the

@@ -130,6 +130,17 @@ fn a_budget_is_spent_and_its_error_predicted() {
 }
 
 #[test]
+fn a_filtered_picture_has_a_budget_by_its_runs() {
+    let _clock = clock();
+    let desk = place("integrator = \"whitted\"\nglossy = \"two-pass\"\nfuzzy.max_radius = 6");
+    let sweep = ["tradeoff", "a.toml", "-q", "--knob", "spp=1,4", "--runs", "3", "--reference-spp", "16"];
+    assert_eq!(desk.run(&[&sweep[..], &["--keep", "a.runs"]].concat()).0, 0, "a sweep");
+    let (stats, said) = rendered(&desk, &["--budget", "1s", "--tradeoff", "a.runs"]);
+    assert_eq!(stats["ended_by"], "time", "{stats:#}");
+    assert!(said.contains("budget, by the runs in a.runs"), "{said}");
+}
+
+#[test]
 fn what_does_not_go_together_is_refused() {
     let desk = place("integrator = \"path\"");
     let refused = |words: &[&str], parts: &[&str]| {
@@ -145,6 +156,11 @@ fn what_does_not_go_together_is_refused() {
     refused(&["--preset", "draft", "--slice", "0/2"], &["--slice", "the flags that it told"]);
     refused(&["--budget", "3s", "--checkpoint", "a.ckpt"], &["--checkpoint"]);
     refused(&["--preset", "draft", "--view", "depth"], &["no noise to choose settings by"]);
+    let filtered = ["--integrator", "whitted", "--glossy", "two-pass"];
+    let remedy = "`--spp` or `--time-limit`, or `glossy = \"lobe\"`";
+    refused(&[&["--preset", "draft"], &filtered[..]].concat(), &["a preset goes by noise", remedy]);
+    let parts = ["a budget without runs of the scene goes by noise", "`--tradeoff`", remedy];
+    refused(&[&["--budget", "3s"], &filtered[..]].concat(), &parts);
     refused(&["--budget", "3s", "--tradeoff", "a.toml"], &["a.toml:1: not the head of a file of runs"]);
     let sweep = ["tradeoff", "a.toml", "-q", "--knob", "spp=1", "--runs", "2", "--reference-spp", "4"];
     assert_eq!(desk.run(&[&sweep[..], &["--keep", "a.runs"]].concat()).0, 0, "a sweep");

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use super::files::{Output, check_input, outputs, with_extension};
+use super::files::{Output, check_input, outputs, spare, with_extension};
 use super::trust::limits;
 use super::values::{on_command_line, threads};
 use crate::cli::args::FuzzyArgs;
@@ -38,6 +38,7 @@ impl FuzzyOptions {
             args.output.clone()
         };
         let outputs = outputs(paths, &mut problems);
+        outputs.iter().for_each(|output| spare([&args.gbuffer], &output.path, &mut problems));
         let roughness = number(args.roughness.as_deref(), ("roughness", 1.0), &mut problems);
         let exponent = number(args.exponent.as_deref(), ("exponent", 1e9), &mut problems);
         let options = Self {
