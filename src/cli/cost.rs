@@ -9,7 +9,7 @@ use super::frozen::Frozen;
 use super::options::{Cost, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::render::{self, Progress, Rendered, Studio};
-use crate::scene::{self, description::Sampler};
+use crate::scene::{self, Library, description::Sampler};
 use crate::tradeoff::curve::Curve;
 use crate::tradeoff::kept::Kept;
 use crate::tradeoff::outcomes_kept;
@@ -226,7 +226,7 @@ fn by_look(
 /// Refuses runs of another scene; tables `film` and `render` are what runs are about.
 fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<()> {
     let Frozen { description, files, trust, .. } = frozen;
-    let here = scene::identity_within(description, frozen.folder(), files, trust)?;
+    let here = scene::identity_within(description, frozen.folder(), files, (trust, &Library::default()))?;
     let mut both = [kept.head["about"].clone(), here];
     for scene in both.iter_mut().filter_map(|about| about["scene"].as_object_mut()) {
         scene.shift_remove("film");

@@ -12,13 +12,15 @@ use super::options::{Checkpoints, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::{Window, atomic};
 use crate::render::{self, Begin, Checkpoint, Keeper, State};
-use crate::scene;
 use crate::scene::needs::capability::Capability;
+use crate::scene::{self, Library};
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
-pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
+///
+/// Files that a library has digits of are not read for it.
+pub(super) fn about(options: &RenderOptions, frozen: &Frozen, library: &Library) -> Result<Value> {
     let Frozen { description, files, trust, .. } = frozen;
-    let mut about = scene::identity_within(description, frozen.folder(), files, trust)?;
+    let mut about = scene::identity_within(description, frozen.folder(), files, (trust, library))?;
     about["version"] = env!("CARGO_PKG_VERSION").into();
     about["scene_hash"] = frozen.hash.clone().into();
     for (name, value) in settings(options) {

@@ -10,7 +10,8 @@ use crate::cli::kept;
 use crate::cli::options::{FarmOptions, trust_words};
 use crate::error::Result;
 use crate::image::Window;
-use crate::render::{self, Outline, PartFile, Settings, Slice};
+use crate::render::{self, Checkpoint, Outline, PartFile, Settings, Slice};
+use crate::scene::Library;
 use crate::trust::Trust;
 
 /// A picture in slices.
@@ -44,7 +45,7 @@ impl<'a> Job<'a> {
             slice: Some(Slice { index, of }),
             ..Settings::default()
         };
-        let about = kept::about(&options.picture, &frozen)?;
+        let about = kept::about(&options.picture, &frozen, &Library::default())?;
         let corners = options.picture.crop.map(Window::corners);
         let digest = xxh3_64(json!([about, corners, of]).to_string().as_bytes());
         let mut job = Self {
