@@ -379,6 +379,29 @@ fn an_interrupted_batch_keeps_checkpoints_and_goes_on_to_the_same_picture() {
     assert!(status == 0 && said.contains("b.exr.ckpt") && said.contains("beginning anew"), "{said}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_checkpoint_with_damaged_sums_is_told_and_given_up() {
+    let desk = desk();
+    let scene = ["batch", "still.toml", "-q", "-D", "render.spp=20000"];
+    let (status, _, said) = desk.run(&[&scene[..], &["-o", "whole.exr"]].concat());
+    assert_eq!(status, 0, "{said}");
+    let words = [&scene[..], &["-o", "a.exr", "--checkpoint-every", "100ms", "-t", "1"]].concat();
+    let mut child = running::spawn(&desk, &words);
+    running::wait_for("a checkpoint", Duration::from_secs(60), || desk.path("a.exr.ckpt").exists());
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    let mut bytes = read(&desk, "a.exr.ckpt");
+    let at = bytes.len() - 100;
+    bytes[at] ^= 1;
+    std::fs::write(desk.path("a.exr.ckpt"), bytes).expect("written");
+    let (status, _, said) = desk.run(&words);
+    assert!(status == 0 && said.contains("a.exr.ckpt: damaged"), "{said}");
+    assert!(said.contains("beginning anew"), "{said}");
+    assert!(desk.channels("a.exr") == desk.channels("whole.exr"), "the picture");
+    assert!(!desk.path("a.exr.ckpt").exists(), "the checkpoint is gone");
+}
+
 #[test]
 fn scene_files_are_jobs_of_their_own() {
     let desk = desk();

@@ -109,8 +109,19 @@ impl Stage {
         })?;
         let settings = settings(options, order.start);
         let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-        let kept_copies = render::Kept { begin, keeper };
-        let rendered = self.studio.render(&frozen.scene, &settings, progress, kept_copies)?;
+        let may_begin_anew = order.is_lenient && begin.is_some();
+        let mut attempt = |begin| {
+            let kept_copies = render::Kept { begin, keeper };
+            self.studio.render(&frozen.scene, &settings, progress, kept_copies)
+        };
+        let rendered = match attempt(begin) {
+            // The sums of a checkpoint are read no sooner than here; nothing has been traced yet.
+            Err(error @ Error::Input(_)) if may_begin_anew => {
+                tracing::warn!("{}; beginning anew", super::chain(&error));
+                attempt(None)
+            }
+            rendered => rendered,
+        }?;
         Ok(Made { rendered, about, settings, load, kept })
     }
 
