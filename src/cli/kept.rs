@@ -123,6 +123,16 @@ impl Keeper for Kept<'_> {
     }
 }
 
+/// Takes away the checkpoint of a picture that is done, if one was left.
+pub(super) fn clear(checkpoints: &Checkpoints) {
+    let path = &checkpoints.path;
+    let is_one =
+        path.is_file() && open(path).is_ok_and(|(file, length)| Checkpoint::open(file, length).is_ok());
+    if is_one && let Err(error) = atomic::remove(path) {
+        tracing::warn!("{}", super::chain(&error));
+    }
+}
+
 /// A file to read, and its length.
 pub(super) fn open(path: &Path) -> Result<(Box<dyn Read>, u64)> {
     let failed = |source| Error::Io { path: path.to_owned(), what: "cannot read", source };

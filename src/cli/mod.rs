@@ -11,6 +11,7 @@ mod command;
 mod cost;
 mod diff;
 mod documents;
+mod done;
 mod farm;
 mod frames;
 mod frozen;
