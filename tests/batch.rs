@@ -174,6 +174,78 @@ fn frames_have_names_of_their_own() {
     assert_eq!((status, out.as_str()), (0, "still.0007.exr\nstill.0007.png\n"), "{said}");
 }
 
+/// How many frames were left out, by the log.
+fn left_out(said: &str) -> usize {
+    said.matches("it is there already: left out").count()
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_sequence_goes_on_with_the_frames_that_are_left() {
+    let desk = desk();
+    let sequence = ["render", "still.toml", "--frames", "1..3", "--spp", "20000"];
+    let (status, _, said) = desk.run(&[&sequence[..], &["-q", "-o", "whole.#.exr"]].concat());
+    assert_eq!(status, 0, "{said}");
+    let kept = ["-o", "a.#.exr", "-o", "a.#.png", "--checkpoint", "a.#.ckpt", "--checkpoint-every", "100ms"];
+    let words = [&sequence[..], &kept, &["--resume", "-t", "1"]].concat();
+    let mut child = running::spawn(&desk, &words);
+    running::wait_for("the second frame", Duration::from_secs(120), || desk.path("a.2.ckpt").exists());
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    assert!(desk.path("a.1.png").exists() && !desk.path("a.2.exr").exists(), "in the second frame");
+    let (first, copy) = (read(&desk, "a.1.exr"), read(&desk, "a.2.ckpt"));
+
+    let (status, out, said) = desk.run(&words);
+    assert_eq!((status, left_out(&said)), (0, 1), "{said}");
+    assert!(said.contains("going on from") && read(&desk, "a.1.exr") == first, "what is left: {said}");
+    assert_eq!(out, "a.1.exr\na.1.png\na.2.exr\na.2.png\na.3.exr\na.3.png\n", "all are named");
+    for frame in 1..=3 {
+        let [one, whole] = ["a", "whole"].map(|name| desk.channels(&format!("{name}.{frame}.exr")));
+        assert!(one == whole, "{frame}: to the bit");
+    }
+    assert!(!desk.names().iter().any(|name| name.ends_with(".ckpt")), "no checkpoint is left");
+
+    // One that was left beside its picture goes, too; what is no checkpoint stays.
+    std::fs::remove_file(desk.path("a.2.png")).expect("removed");
+    std::fs::write(desk.path("a.1.ckpt"), copy).expect("written");
+    std::fs::write(desk.path("a.3.ckpt"), "something else").expect("written");
+    let (status, _, said) = desk.run(&words);
+    assert_eq!((status, left_out(&said)), (0, 2), "a preview is gone: {said}");
+    assert!(desk.path("a.2.png").exists() && read(&desk, "a.3.ckpt") == b"something else", "made again");
+    assert!(!desk.path("a.1.ckpt").exists(), "a checkpoint that was left");
+    std::fs::remove_file(desk.path("a.3.ckpt")).expect("removed");
+    let words: Vec<&str> = words.iter().map(|&word| if word == "20000" { "2" } else { word }).collect();
+    let said = || {
+        let (status, _, said) = desk.run(&words);
+        assert_eq!(status, 0, "{said}");
+        left_out(&said)
+    };
+    assert_eq!((said(), said()), (0, 3), "other settings");
+    models::paint(&desk, "inner.png", [10, 200, 30]);
+    assert_eq!((said(), said()), (0, 3), "a file that a file names");
+}
+
+#[test]
+fn parts_of_frames_that_are_there_are_left_out_if_they_are_sound() {
+    let desk = desk();
+    let run = |more: &[&str]| {
+        let words = ["render", "still.toml", "--frames", "1..2", "-o", "a#.part", "--checkpoint", "a#.ckpt"];
+        let (status, _, said) = desk.run(&[&words[..], &["--resume"], more].concat());
+        assert_eq!(status, 0, "{said}");
+        left_out(&said)
+    };
+    let slice = ["--slice", "0/2"];
+    assert_eq!((run(&slice), run(&slice)), (0, 2), "again");
+    let mut bytes = read(&desk, "a1.part");
+    let at = bytes.len() - 100;
+    bytes[at] ^= 1;
+    std::fs::write(desk.path("a1.part"), bytes).expect("written");
+    assert_eq!((run(&slice), run(&slice)), (1, 2), "damaged");
+    for more in [&["--slice", "1/2"][..], &["--slice", "1/2", "--crop", "0,0,9,9"], &["--seed", "5"], &[]] {
+        assert_eq!((run(more), run(more)), (0, 2), "{more:?}");
+    }
+}
+
 #[test]
 fn side_by_side_is_one_after_the_other_to_the_bit() {
     let desk = desk();
@@ -377,6 +449,29 @@ fn an_interrupted_batch_keeps_checkpoints_and_goes_on_to_the_same_picture() {
     std::fs::remove_file(desk.path("b.exr")).expect("removed");
     let (status, _, said) = desk.run(&["batch", "batch.toml", "--checkpoint-every", "1h"]);
     assert!(status == 0 && said.contains("b.exr.ckpt") && said.contains("beginning anew"), "{said}");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_checkpoint_with_damaged_sums_is_told_and_given_up() {
+    let desk = desk();
+    let scene = ["batch", "still.toml", "-q", "-D", "render.spp=20000"];
+    let (status, _, said) = desk.run(&[&scene[..], &["-o", "whole.exr"]].concat());
+    assert_eq!(status, 0, "{said}");
+    let words = [&scene[..], &["-o", "a.exr", "--checkpoint-every", "100ms", "-t", "1"]].concat();
+    let mut child = running::spawn(&desk, &words);
+    running::wait_for("a checkpoint", Duration::from_secs(60), || desk.path("a.exr.ckpt").exists());
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    let mut bytes = read(&desk, "a.exr.ckpt");
+    let at = bytes.len() - 100;
+    bytes[at] ^= 1;
+    std::fs::write(desk.path("a.exr.ckpt"), bytes).expect("written");
+    let (status, _, said) = desk.run(&words);
+    assert!(status == 0 && said.contains("a.exr.ckpt: damaged"), "{said}");
+    assert!(said.contains("beginning anew"), "{said}");
+    assert!(desk.channels("a.exr") == desk.channels("whole.exr"), "the picture");
+    assert!(!desk.path("a.exr.ckpt").exists(), "the checkpoint is gone");
 }
 
 #[test]

@@ -96,8 +96,17 @@ fn help_lists_the_commands_and_version_the_version() {
     for flag in flags {
         assert!(stdout.contains(flag), "{flag} in {stdout}");
     }
+    let version = concat!("specula ", env!("CARGO_PKG_VERSION"));
+    let (status, stdout, _) = place.run(&["-V"]);
+    assert_eq!((status, stdout.trim()), (0, version), "version");
     let (status, stdout, _) = place.run(&["--version"]);
-    assert_eq!((status, stdout.trim()), (0, concat!("specula ", env!("CARGO_PKG_VERSION"))), "version");
+    let lines: Vec<&str> = stdout.lines().collect();
+    let lanes = format!("lanes {}", specula::render::lanes());
+    assert_eq!((status, &lines[..2]), (0, &[version, &lanes][..]), "version: {stdout}");
+    // Also what pictures depend on to the bit beside it.
+    for backend in ["embree ", "bvh2 (obvhs ", "cwbvh (obvhs ", "brute"] {
+        assert!(lines[2..].iter().any(|line| line.starts_with(backend)), "{backend} in {stdout}");
+    }
 }
 
 #[test]

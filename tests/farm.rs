@@ -102,6 +102,14 @@ fn command_of(desk: &Desk, name: &str, script: &str) -> PathBuf {
     bin
 }
 
+/// Damages the sums in a file.
+fn flip(path: &Path) {
+    let mut bytes = fs::read(path).expect("there");
+    let at = bytes.len() - 100;
+    bytes[at] ^= 1;
+    fs::write(path, bytes).expect("written");
+}
+
 /// `PATH` with a folder before all others.
 fn path_with(bin: &Path) -> std::ffi::OsString {
     let others = std::env::var_os("PATH").unwrap_or_default();
@@ -192,8 +200,14 @@ fn what_is_there_is_not_rendered_again_and_other_pictures_do_not_count() {
         done(&mut node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]));
     }
     fs::write(&parts[2], b"half").expect("written");
-    assert_eq!(farm(&folder, "slurm", &flags)["to_render"], json!([0, 2, 3, 5]), "one is no part");
-    assert!(fs::read_to_string(&files[0]).expect("there").contains("--array=0,2-3,5%2\n"), "some");
+    flip(&parts[4]);
+    assert_eq!(
+        farm(&folder, "slurm", &flags)["to_render"],
+        json!([0, 2, 3, 4, 5]),
+        "one is no part, one has damaged sums"
+    );
+    assert!(fs::read_to_string(&files[0]).expect("there").contains("--array=0,2-5%2\n"), "some");
+    assert!(parts[1].exists() && !parts[2].exists() && !parts[4].exists(), "nobody takes them for parts");
     let others: [&[&str]; 4] = [&["--seed=2"], &["--aov=depth"], &["--crop=0,0,9,9"], &["--max-depth=3"]];
     for more in others {
         let document = farm(&folder, "slurm", &[&flags[..], more].concat());
@@ -201,7 +215,7 @@ fn what_is_there_is_not_rendered_again_and_other_pictures_do_not_count() {
         assert!(paths(&document, "parts").iter().all(|part| !parts.contains(part)), "{more:?}: other files");
     }
     farm(&folder, "slurm", &flags);
-    for slice in ["0", "2", "3", "5"] {
+    for slice in ["0", "2", "3", "4", "5"] {
         done(&mut node(&files[0], &[("SLURM_ARRAY_TASK_ID", slice)]));
     }
     assert_eq!(farm(&folder, "slurm", &flags)["files"].as_array().map(Vec::len), Some(2), "the merge alone");
@@ -240,6 +254,48 @@ fn a_task_that_is_asked_to_stop_goes_on_where_it_was() {
     assert!(!is_kept() && parts[0].is_file(), "a part and no checkpoint");
     let said = done(&mut node(&files[0], &again));
     assert!(said.contains("an earlier run has written it"), "{said}");
+}
+
+#[test]
+fn checkpoints_that_are_damaged_or_of_another_embree_stop_no_slice_for_good() {
+    let (desk, folder) = desk(ODD);
+    let own = [
+        &LONG[..],
+        &["--spp=1024", "--slices=2", "-o", "a.exr", "--checkpoint-every=200ms", "--log-level=info"],
+    ]
+    .concat();
+    let first = [("SLURM_ARRAY_TASK_ID", "0")];
+    let script = |flags: &[&str]| paths(&farm(&folder, "slurm", flags), "files").remove(0);
+    let dir = folder.join("a.farm");
+    let leave = |script: &Path| {
+        let mut task =
+            node(script, &first).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("started");
+        wait_for("a checkpoint", Duration::from_secs(60), || checkpoints_of(&dir, 0) > 0);
+        task.kill().expect("killed");
+        task.wait().expect("ended");
+    };
+    leave(&script(&own));
+    flip(&files_of(&dir, "part-", ".ckpt")[0]);
+    let output = node(&dir.join("tasks.sbatch"), &first).output().expect("run");
+    let said = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && said.contains("damaged"), "{said}");
+    assert!(said.contains("remove it to begin anew"), "{said}");
+    let tasks = script(&own);
+    assert_eq!(checkpoints_of(&dir, 0), 0, "the same command again takes it away");
+    leave(&tasks);
+
+    // Stands for a machine with another Embree.
+    let real = assert_cmd::cargo::cargo_bin("specula");
+    let text_of = format!(
+        "#!/bin/sh\nif [ \"$1\" = --version ]; then echo embree 9.9.9; exit; fi\nexec '{}' \"$@\"\n",
+        real.display()
+    );
+    let program = format!("--program={}", command_of(&desk, "other", &text_of).join("other").display());
+    let output = node(&script(&[&own[..], &[program.as_str()]].concat()), &first).output().expect("run");
+    let said = text(&output.stderr);
+    assert!(output.status.success() && said.contains("there is no checkpoint"), "{said}");
+    assert_eq!(checkpoints_of(&dir, 0), 1, "that of the first machine is left alone");
+    assert_eq!(files_of(&dir, "part-", "-0.part").len(), 1, "the part");
 }
 
 #[test]

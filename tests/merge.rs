@@ -335,3 +335,44 @@ fn three_hundred_parts_are_merged() {
     let (status, said) = merge(&desk, &[&parts[..100], &parts[101..]].concat(), &["-o", "n.exr"]);
     assert!(status == 2 && said.contains("samples 199..200"), "{status}: {said}");
 }
+
+#[test]
+fn parts_of_one_description_that_do_not_fit_together_are_refused_by_name() {
+    let desk = Desk::new();
+    let scene = scene_of(&room("integrator = \"whitted\"\nspp = 4"));
+    let write = |name: &str, index: u32, layout: Layout, change: fn(&mut Outline)| {
+        let settings = Settings { layout, slice: Some(Slice { index, of: 2 }), ..Settings::default() };
+        let rendered = render(&scene, &settings, &Silent).expect("a part");
+        let mut told = outline(&scene, &settings).expect("sound");
+        change(&mut told);
+        let part = Part {
+            outline: told,
+            film: rendered.film,
+            counters: rendered.statistics.counters,
+            about: json!({ "scene": "the same" }),
+            told: json!({}),
+        };
+        let mut bytes = Vec::new();
+        part.write(&mut bytes).expect("written");
+        std::fs::write(desk.path(name), bytes).expect("written");
+    };
+    write("0.part", 0, Layout::default(), |_| {});
+    write("1.part", 1, Layout::default(), |_| {});
+    write("outputs.part", 1, Layout::with([Aov::Depth]), |_| {});
+    write("width.part", 1, Layout::default(), |outline| outline.full[0] += 1);
+    write("spp.part", 1, Layout::default(), |outline| outline.spp = 8);
+    write("limit.part", 1, Layout::default(), |outline| outline.has_limit = true);
+    for (name, told) in [
+        ("outputs.part", "`outputs` is ["),
+        ("width.part", "`width` is 38 here and 37 there"),
+        ("spp.part", "`spp` is 8 here and 4 there"),
+        ("limit.part", "`has_limit` is true here and false there"),
+    ] {
+        let (status, said) = merge(&desk, &["0.part", name], &["-o", "m.exr"]);
+        let told = format!("{name}: of another picture than `0.part`: {told}");
+        assert!(status == 2 && said.contains(&told), "{name}: {status}: {said}");
+        assert!(!desk.path("m.exr").exists(), "{name}: nothing is written");
+    }
+    let (status, said) = merge(&desk, &["0.part", "1.part"], &["-o", "m.exr"]);
+    assert_eq!(status, 0, "{said}");
+}

@@ -11,7 +11,7 @@ use super::options::{Cost, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::render::{self, Progress, Rendered, Studio};
 use crate::scene::{
-    self,
+    self, Library,
     description::{FuzzyBy, Sampler},
 };
 use crate::tradeoff::curve::Curve;
@@ -248,7 +248,7 @@ fn by_look(
 /// scene of the runs says of those that they turn, where this one says otherwise.
 fn check(kept: &Kept, frozen: &Frozen, path: &Path) -> Result<Vec<(String, String)>> {
     let Frozen { description, files, trust, .. } = frozen;
-    let here = scene::identity_within(description, frozen.folder(), files, trust)?;
+    let here = scene::identity_within(description, frozen.folder(), files, (trust, &Library::default()))?;
     let mut both = [kept.head["about"].clone(), here];
     let [there, here] = both.each_mut().map(|about| {
         let scene = about["scene"].as_object_mut();

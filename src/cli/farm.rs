@@ -60,7 +60,7 @@ pub(super) fn run(args: &FarmArgs) -> Result<()> {
 /// The name of a file in the directory of a farm, and what it holds.
 type Written = (&'static str, Vec<u8>);
 
-/// Writes files into the directory, which is made if it is not there.
+/// Writes files into the directory, which is made if it is not there, and takes damaged ones out of it.
 fn written(job: &Job<'_>, files: &[Written]) -> Result<()> {
     let dir = &job.options.dir;
     std::fs::create_dir_all(dir).map_err(|source| Error::Io {
@@ -68,6 +68,7 @@ fn written(job: &Job<'_>, files: &[Written]) -> Result<()> {
         what: "cannot make the directory of the farm",
         source,
     })?;
+    job.damaged.iter().try_for_each(|path| atomic::remove(path))?;
     for (name, text) in files {
         atomic::write(&dir.join(name), |file| std::io::Write::write_all(file, text))?;
     }

@@ -12,13 +12,15 @@ use super::options::{Checkpoints, RenderOptions};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::image::{Window, atomic};
 use crate::render::{self, Begin, Checkpoint, Keeper, State};
-use crate::scene;
 use crate::scene::needs::capability::Capability;
+use crate::scene::{self, Library};
 
 /// What a picture is of: all that its pixels depend on, but which samples of which pixels there are.
-pub(super) fn about(options: &RenderOptions, frozen: &Frozen) -> Result<Value> {
+///
+/// Files that a library has digits of are not read for it.
+pub(super) fn about(options: &RenderOptions, frozen: &Frozen, library: &Library) -> Result<Value> {
     let Frozen { description, files, trust, .. } = frozen;
-    let mut about = scene::identity_within(description, frozen.folder(), files, trust)?;
+    let mut about = scene::identity_within(description, frozen.folder(), files, (trust, library))?;
     about["version"] = env!("CARGO_PKG_VERSION").into();
     about["scene_hash"] = frozen.hash.clone().into();
     for (name, value) in settings(options) {
@@ -121,6 +123,16 @@ impl Keeper for Kept<'_> {
 
     fn missed(&self, error: Error) {
         tracing::warn!("{}; rendering goes on without this checkpoint", super::chain(&error));
+    }
+}
+
+/// Takes away the checkpoint of a picture that is done, if one was left.
+pub(super) fn clear(checkpoints: &Checkpoints) {
+    let path = &checkpoints.path;
+    let is_one =
+        path.is_file() && open(path).is_ok_and(|(file, length)| Checkpoint::open(file, length).is_ok());
+    if is_one && let Err(error) = atomic::remove(path) {
+        tracing::warn!("{}", super::chain(&error));
     }
 }
 

@@ -125,6 +125,9 @@ fn outlines(paths: &[PathBuf], limits: &Limits) -> Result<(Vec<Outline>, Value)>
         if differences.len() > 1 {
             differences.retain(|told| !told.starts_with("`scene_hash`"));
         }
+        if differences.is_empty() {
+            differences = scene::differences(&common(file.outline()), &common(&outlines[0]));
+        }
         for told in differences {
             let told = told.strip_suffix(" here").unwrap_or(&told).replace(" there and ", " here and ");
             let what = format!("of another picture than `{}`: {told} there", of.display());
@@ -133,6 +136,17 @@ fn outlines(paths: &[PathBuf], limits: &Limits) -> Result<(Vec<Outline>, Value)>
     }
     let about = first.map(|(about, _)| about).unwrap_or_default();
     problems.into_result((outlines, about))
+}
+
+/// What the outlines of all parts of a picture have in common.
+fn common(outline: &Outline) -> Value {
+    json!({
+        "width": outline.full[0],
+        "height": outline.full[1],
+        "outputs": outline.layout.aovs().iter().map(|aov| aov.name()).collect::<Vec<_>>(),
+        "spp": outline.spp,
+        "has_limit": outline.has_limit,
+    })
 }
 
 /// A file of a part, which asks for no more than is allowed.

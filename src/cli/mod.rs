@@ -11,6 +11,7 @@ mod command;
 mod cost;
 mod diff;
 mod documents;
+mod done;
 mod farm;
 mod frames;
 mod frozen;
@@ -35,6 +36,7 @@ use std::ffi::OsString;
 use std::process::ExitCode;
 
 use clap::Parser as _;
+use clap::error::ErrorKind;
 
 pub use args::{
     Args, BatchArgs, BenchArgs, Command, CompletionsArgs, DiffArgs, FarmArgs, FarmCommonArgs, FarmEngine,
@@ -46,11 +48,22 @@ use crate::error::{Error, Result};
 
 /// What the words of the command line say, or the status to exit with after clap has shown help or what is wrong.
 pub fn parse(words: impl IntoIterator<Item = OsString>) -> std::result::Result<Args, ExitCode> {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let is_long = words.iter().any(|word| word == "--version");
     Args::try_parse_from(words).map_err(|error| {
         // Nobody is left to tell if showing it fails.
         let _ = error.print();
+        if is_long && error.kind() == ErrorKind::DisplayVersion {
+            let _ = output::print(engines().as_bytes());
+        }
         if error.use_stderr() { ExitCode::from(2) } else { ExitCode::SUCCESS }
     })
+}
+
+/// What pixels depend on beside the version, a line each: our own instruction set, and each backend.
+fn engines() -> String {
+    let lanes = format!("lanes {}\n", crate::render::lanes());
+    crate::render::backends().into_iter().fold(lanes, |text, backend| text + &backend + "\n")
 }
 
 /// Does what was asked for.

@@ -9,6 +9,7 @@ use serde_json::Value;
 use super::args::RenderArgs;
 use super::batch::memory;
 use super::command::Rendering;
+use super::done::Wanted;
 use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::kept;
@@ -48,9 +49,16 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         if let Some(frame) = picture.frame.filter(|_| count > 1) {
             tracing::info!("frame {frame}, {number} of {count}");
         }
-        let order = Order { options: &picture, loaded: &loaded, start, is_lenient: false };
-        let watch = Watch { quiet: args.log.quiet, interrupt: &interrupt, display: display.as_ref() };
-        one(&mut stage, &order, watch, (reading, number == count))?;
+        let is_kept = count > 1 && picture.checkpoint.is_some();
+        let wanted = is_kept.then(|| Wanted::new(&picture, &loaded, stage.library())).transpose()?;
+        if wanted.as_ref().is_some_and(|wanted| is_done(&picture, wanted, stage.library())) {
+            interrupt.check()?;
+            output::print(names(&picture).as_bytes())?;
+        } else {
+            let order = Order { options: &picture, loaded: &loaded, start, is_lenient: false };
+            let watch = Watch { quiet: args.log.quiet, interrupt: &interrupt, display: display.as_ref() };
+            one(&mut stage, &order, watch, (wanted.as_ref(), reading, number == count))?;
+        }
         (start, reading) = (Instant::now(), Phase::default());
     }
     if let Some(display) = display {
@@ -67,12 +75,25 @@ struct Watch<'a> {
     display: Option<&'a Display>,
 }
 
-/// Renders one picture, after the scene file was read for it; with `is_last` the hierarchy is given up before pictures are written.
+/// Whether a frame is there already, of a sequence that is gone on with.
+fn is_done(options: &RenderOptions, wanted: &Wanted, library: &Library) -> bool {
+    let Some(checkpoints) = options.checkpoint.as_ref().filter(|it| it.resume) else { return false };
+    if let Some(why) = wanted.due(options, library) {
+        tracing::debug!("not there yet: {why}");
+        return false;
+    }
+    tracing::info!("it is there already: left out");
+    kept::clear(checkpoints);
+    true
+}
+
+/// Renders one picture, after the scene file was read for it. What is `wanted`, if anything, its metadata tell, so that it is known to be
+/// done; with `is_last` the hierarchy is given up before pictures are written.
 fn one(
     stage: &mut Stage,
     order: &Order<'_>,
     Watch { quiet, interrupt, display }: Watch<'_>,
-    (reading, is_last): (Phase, bool),
+    (wanted, reading, is_last): (Option<&Wanted>, Phase, bool),
 ) -> Result<()> {
     let mut options = order.options.clone();
     interrupt.check()?;
@@ -95,8 +116,9 @@ fn one(
     let frozen = stage.frozen()?;
     tell(options, &frozen.scene, &rendered);
 
+    let notes = wanted.map_or(Ok(Vec::new()), |wanted| wanted.notes(frozen, stage.library()))?;
     let (written, write) = Phase::of(|| {
-        write(options, frozen, &rendered, (load, &[]))?;
+        write(options, frozen, &rendered, (load, &notes))?;
         write_parts(options, (frozen, about), (&settings, &rendered), load)
     });
     written?;
@@ -189,14 +211,16 @@ pub(super) fn tell_dropped(
     }
 }
 
-/// Writes all pictures, with `more` metadata.
+/// Writes all pictures, with `more` metadata; EXR files last, by which a picture is known to be done.
 pub(super) fn write(
     options: &RenderOptions,
     frozen: &Frozen,
     rendered: &Rendered,
     (load, more): (Phase, &[(String, String)]),
 ) -> Result<()> {
-    for Output { path, format } in &options.outputs {
+    let (last, first): (Vec<_>, Vec<_>) =
+        options.outputs.iter().partition(|output| output.format == Format::Exr);
+    for Output { path, format } in first.into_iter().chain(last) {
         match format {
             Format::Exr => {
                 let mut attributes = statistics::attributes(frozen, rendered, load);

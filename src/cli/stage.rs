@@ -66,9 +66,9 @@ impl Stage {
     pub(super) fn load(&mut self, order: &Order<'_>) -> Result<(Value, Phase)> {
         let options = order.options;
         let (about, load) = Phase::of(|| {
-            let frozen = self.freeze(order)?;
+            self.freeze(order)?;
             let is_kept = options.checkpoint.is_some() || !options.parts.is_empty();
-            if is_kept { kept::about(options, frozen) } else { Ok(Value::Null) }
+            if is_kept { kept::about(options, self.frozen()?, &self.library) } else { Ok(Value::Null) }
         });
         Ok((about?, load))
     }
@@ -109,9 +109,25 @@ impl Stage {
         })?;
         let settings = settings(options, order.start);
         let keeper = kept.as_ref().map(|kept| -> &dyn Keeper { kept });
-        let kept_copies = render::Kept { begin, keeper };
-        let rendered = self.studio.render(&frozen.scene, &settings, progress, kept_copies)?;
+        let may_begin_anew = order.is_lenient && begin.is_some();
+        let mut attempt = |begin| {
+            let kept_copies = render::Kept { begin, keeper };
+            self.studio.render(&frozen.scene, &settings, progress, kept_copies)
+        };
+        let rendered = match attempt(begin) {
+            // The sums of a checkpoint are read no sooner than here; nothing has been traced yet.
+            Err(error @ Error::Input(_)) if may_begin_anew => {
+                tracing::warn!("{}; beginning anew", super::chain(&error));
+                attempt(None)
+            }
+            rendered => rendered,
+        }?;
         Ok(Made { rendered, about, settings, load, kept })
+    }
+
+    /// What it has read of files.
+    pub(super) fn library(&self) -> &Library {
+        &self.library
     }
 
     /// The scene of the last picture.
@@ -135,8 +151,8 @@ impl Stage {
         self.studio.clear();
     }
 
-    /// The scene of an order: the last one, seen otherwise, if that is enough.
-    fn freeze(&mut self, order: &Order<'_>) -> Result<&Frozen> {
+    /// Gets the scene of an order: the last one, seen otherwise, if that is enough.
+    fn freeze(&mut self, order: &Order<'_>) -> Result<()> {
         let (options, loaded) = (order.options, order.loaded);
         let serves = self.last.as_mut().is_some_and(|Last { frozen, files }| {
             frozen.path == options.scene
@@ -160,7 +176,7 @@ impl Stage {
             }
             self.last = Some(Last { frozen, files });
         }
-        self.frozen()
+        Ok(())
     }
 
     /// Logs warnings that are new.
@@ -190,5 +206,41 @@ fn settings(options: &RenderOptions, start: Instant) -> Settings {
             time: options.limits.time.map(|time| time.saturating_sub(start.elapsed())),
             ..options.limits
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Args, Command};
+    use clap::Parser as _;
+    use std::num::NonZeroUsize;
+
+    #[test]
+    fn files_are_hashed_once_for_what_is_kept_of_all_frames() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = |name: &str| folder.path().join(name);
+        image::RgbImage::new(2, 2).save(path("paint.png")).expect("written");
+        std::fs::write(path("a.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").expect("written");
+        let scene = "[materials.m]\ntype = 'diffuse'\nreflectance = { file = 'paint.png' }\n[[shapes]]\ntype = 'mesh'\nfile = 'a.obj'\nmaterial = 'm'\n[[shapes]]\ntype = 'sphere'\nmaterial = 'm'\n[[lights]]\ntype = 'environment'\nradiance = 1\n";
+        std::fs::write(path("a.toml"), scene).expect("written");
+        let words = ["specula", "render", "--frames=1..3"].map(std::ffi::OsString::from).into_iter();
+        let flags = [("-o", "a.#.part"), ("--checkpoint", "a.#.ckpt")];
+        let flags = flags.iter().flat_map(|(flag, name)| [std::ffi::OsString::from(flag), path(name).into()]);
+        let words = words.chain(flags).chain([path("a.toml").into_os_string()]);
+        let Command::Render(args) = Args::try_parse_from(words).expect("parsed").command else {
+            panic!("another command")
+        };
+        let options = RenderOptions::new(&args).expect("valid");
+        let loaded = scene::load(&options.scene, &options.overrides).expect("a scene");
+        let studio = Studio::new(Some(NonZeroUsize::MIN)).expect("a thread");
+        let mut stage = Stage::new(studio, Library::of_bytes(1 << 20).into());
+        for picture in options.pictures() {
+            let order =
+                Order { options: &picture, loaded: &loaded, start: Instant::now(), is_lenient: false };
+            let (about, _) = stage.load(&order).expect("sound");
+            assert_eq!(about["files"].as_object().map(serde_json::Map::len), Some(2), "{about}");
+            assert_eq!(stage.library().reads().hashed, 2, "frame {:?}", picture.frame);
+        }
     }
 }

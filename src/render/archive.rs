@@ -98,6 +98,11 @@ impl<R: Read> Archive<R> {
         Ok(Self { head, length: arrays, from })
     }
 
+    /// Reads the arrays for their checksum alone. Fails with what is wrong with them.
+    pub(super) fn check(self) -> Result<(), String> {
+        self.arrays(|_, _| Ok(()))
+    }
+
     /// What `read` makes of the arrays, which it reads to their end.
     pub(super) fn arrays<T>(
         mut self,
@@ -183,6 +188,10 @@ mod tests {
         })
     }
 
+    fn check(bytes: &[u8]) -> Result<(), String> {
+        Archive::open(bytes, bytes.len() as u64)?.check()
+    }
+
     fn written() -> Vec<u8> {
         let mut bytes = Vec::new();
         write(&mut bytes, &json!({ "a": 1 }), 5, |into| into.write_all(b"12345")).expect("written");
@@ -192,20 +201,21 @@ mod tests {
     #[test]
     fn what_was_written_is_read() {
         assert_eq!(read(&written()), Ok((json!({ "a": 1 }), b"12345".to_vec())), "the same");
+        assert_eq!(check(&written()), Ok(()), "sound");
     }
 
     #[test]
     fn any_other_length_and_any_other_byte_is_told() {
         let bytes = written();
         for length in 0..bytes.len() {
-            assert!(read(&bytes[..length]).is_err(), "{length} bytes");
+            assert!(read(&bytes[..length]).is_err() && check(&bytes[..length]).is_err(), "{length} bytes");
         }
         assert!(read(&[bytes.clone(), vec![0]].concat()).is_err(), "a byte more");
         for at in 0..bytes.len() {
             for flip in 1..=255 {
                 let mut other = bytes.clone();
                 other[at] ^= flip;
-                assert!(read(&other).is_err(), "byte {at}, {flip}");
+                assert!(read(&other).is_err() && check(&other).is_err(), "byte {at}, {flip}");
             }
         }
     }

@@ -74,7 +74,17 @@ impl Hierarchies {
 /// What finds hits for a scene, as far as pixels depend on it: Embree's kernels of other versions and instruction sets meet edges elsewhere,
 /// hierarchies of one version of ours give the same answers on every machine.
 pub fn backend(scene: &Scene) -> Result<String> {
-    let backend = scene.render.backend;
+    told_of(scene.render.backend)
+}
+
+/// The same of all that there are; of one that cannot be used here, why.
+#[must_use]
+pub fn backends() -> Vec<String> {
+    Backend::ALL.iter().map(|&backend| told_of(backend).unwrap_or_else(|error| error.to_string())).collect()
+}
+
+/// A backend, with all that pixels depend on.
+fn told_of(backend: Backend) -> Result<String> {
     let name = name(backend)?;
     Ok(if backend == Backend::Embree { format!("{name}, {}", library()?.isa) } else { name })
 }

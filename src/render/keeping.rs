@@ -94,25 +94,34 @@ impl Running {
     /// Has copies kept until the end.
     fn keep(&self, keeper: &dyn Keeper, end: &mpsc::Receiver<()>) {
         let every = keeper.every();
-        // What is not in a copy: samples of tiles that have not been put, and those taken while it is written.
-        let late = every.mul_f64(PART).min(Duration::from_secs_f64(LONGEST));
-        let mut writing = Duration::ZERO;
+        let mut writing = None;
         loop {
-            let wait = every.saturating_sub(late + 2 * writing).max(every / 4);
-            let Err(RecvTimeoutError::Timeout) = end.recv_timeout(wait) else { return };
+            let Err(RecvTimeoutError::Timeout) = end.recv_timeout(wait(every, writing)) else { return };
             let begin = Instant::now();
             if let Err(error) = keeper.keep(&self.copy()) {
                 keeper.missed(error);
             }
             // What took long may do so again, even if it did not the last time.
-            writing = begin.elapsed().max(writing * 3 / 4);
+            writing = Some(begin.elapsed().max(writing.unwrap_or_default() * 3 / 4));
         }
     }
 }
 
+/// How long to wait before the next copy is taken, where copies take so long to write; the first one tells that, and is an early one.
+fn wait(every: Duration, writing: Option<Duration>) -> Duration {
+    let Some(writing) = writing else { return every / 4 };
+    // What is not in a copy: samples of tiles that have not been put, and those taken while it is written.
+    every.saturating_sub(late(every) + 2 * writing).max(every / 4)
+}
+
+/// How long samples of a tile may have been taken that have not been put.
+fn late(every: Duration) -> Duration {
+    every.mul_f64(PART).min(Duration::from_secs_f64(LONGEST))
+}
+
 /// How many seconds samples of a tile may take before they are put, if that matters to anybody.
 pub(super) fn longest(keeper: Option<&dyn Keeper>, progress: &dyn Progress) -> Option<f64> {
-    let kept = keeper.map(|keeper| (keeper.every().as_secs_f64() * PART).min(LONGEST));
+    let kept = keeper.map(|keeper| late(keeper.every()).as_secs_f64());
     let shown = progress.looks_every().map(|every| every.as_secs_f64());
     kept.into_iter().chain(shown).reduce(f64::min)
 }
@@ -162,5 +171,29 @@ impl Iterator for Pieces {
         self.left.start = end;
         self.last = Some((end - start, Instant::now()));
         Some(start..end)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_than_the_interval_is_lost_however_long_copies_take() {
+        for every in [0.01, 1.0, 60.0, 3600.0].map(Duration::from_secs_f64) {
+            for part in [0.0, 0.01, 0.05, 0.1, 0.2, 0.3] {
+                let writing = every.mul_f64(part);
+                // A copy counts from when it has its name.
+                let first = wait(every, None) + writing;
+                assert!(first <= every, "{every:?}, {writing:?}: nothing for {first:?}");
+                let wait = wait(every, Some(writing));
+                let lost = late(every) + writing + wait + writing;
+                assert!(lost <= every, "{every:?}, {writing:?}: {lost:?} between copies");
+                assert!(wait >= every / 4, "{every:?}, {writing:?}: {wait:?} between copies");
+            }
+        }
+        let every = Duration::from_secs(60);
+        assert!(wait(every, Some(Duration::ZERO)) > every * 9 / 10, "quick copies are no more than it takes");
+        assert_eq!(wait(every, Some(every)), every / 4, "samples go on being taken between long ones");
     }
 }

@@ -27,7 +27,7 @@ mod tiles;
 mod two_pass;
 
 pub use dispatch::{MOST, outline};
-pub use hierarchies::backend;
+pub use hierarchies::{backend, backends};
 pub use job::{Phase, Progress, Rendered, Settings, Silent, Statistics};
 pub use limits::{Ended, Estimate, Limits};
 pub use merge::{Gap, gaps, order, wanted};

@@ -103,6 +103,11 @@ impl<R: Read> PartFile<R> {
         &self.archive.head["about"]
     }
 
+    /// Looks whether the sums are as they were written, without keeping them. Fails with what is wrong with them.
+    pub fn check(self) -> Result<(), String> {
+        self.archive.check()
+    }
+
     /// Reads the sums. Fails with what is wrong with them.
     pub fn read(self) -> Result<Part, String> {
         let outline = self.outline;

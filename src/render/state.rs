@@ -112,6 +112,11 @@ impl<R: Read> Checkpoint<R> {
         self.archive.head["samples"].as_u64().unwrap_or(0)
     }
 
+    /// Looks whether all is as it was written, without keeping it. Fails with what is wrong with it.
+    pub fn check(self) -> std::result::Result<(), String> {
+        self.archive.check()
+    }
+
     /// Reads what there is. Whoever asks has made sure that it is of the same picture.
     pub(super) fn state(
         self,

@@ -13,22 +13,22 @@ use xxhash_rust::xxh3::Xxh3;
 
 /// The description as JSON, and 32 hexadecimal digits for each file that it names and for `more` files, by name as seen from `folder`.
 ///
-/// Files count by what they hold, not by size and time: on another machine of a farm a copy has another time, and a file that was
-/// just read is read again in no time. Files that are not there count as such. By XXH3 of 128 bits (Collet 2019).
+/// Files count by what they hold, not by size and time: on another machine of a farm a copy has another time. Files that are not there
+/// count as such. By XXH3 of 128 bits (Collet 2019).
 ///
 /// Fails if a file cannot be read, or is beyond the usual limits.
 pub fn identity(description: &Description, folder: &Path, more: &[PathBuf]) -> Result<Value> {
-    identity_within(description, folder, more, &Trust::default())
+    identity_within(description, folder, more, (&Trust::default(), &Library::default()))
 }
 
-/// The same of files that are trusted so far.
+/// The same of files that are trusted so far, with digits that a library has already.
 pub fn identity_within(
     description: &Description,
     folder: &Path,
     more: &[PathBuf],
-    trust: &Trust,
+    from: (&Trust, &Library),
 ) -> Result<Value> {
-    let files = digest_of_files(description, folder, more, (trust, &Library::default()))?;
+    let files = digest_of_files(description, folder, more, from)?;
     Ok(json!({ "scene": related(description, folder), "files": files }))
 }
 

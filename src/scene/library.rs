@@ -24,6 +24,7 @@ pub struct Library {
     /// Bytes that are kept at most.
     limit: AtomicU64,
     reads: AtomicU64,
+    hashed: AtomicU64,
     shared: AtomicU64,
 }
 
@@ -34,6 +35,8 @@ pub struct Reads {
     pub read: u64,
     /// What was there already.
     pub shared: u64,
+    /// Files that were read for digits of what they hold.
+    pub hashed: u64,
 }
 
 /// What a file was made into: the same file may be on the shelf in several forms. Numbers by their bits.
@@ -143,7 +146,8 @@ impl Library {
     /// How often files were read.
     #[must_use]
     pub fn reads(&self) -> Reads {
-        Reads { read: self.reads.load(Ordering::Relaxed), shared: self.shared.load(Ordering::Relaxed) }
+        let count = |counter: &AtomicU64| counter.load(Ordering::Relaxed);
+        Reads { read: count(&self.reads), shared: count(&self.shared), hashed: count(&self.hashed) }
     }
 
     /// Bytes of all that is kept.
@@ -195,9 +199,8 @@ impl Library {
         let gone = kept.take().map_or(0, |old| old.bytes);
         let stamp = Stamp::of(path);
         let made = read();
-        if form != Form::Digits {
-            self.reads.fetch_add(1, Ordering::Relaxed);
-        }
+        let counter = if form == Form::Digits { &self.hashed } else { &self.reads };
+        counter.fetch_add(1, Ordering::Relaxed);
         let bytes = made.as_ref().map_or(0, |made| made.bytes as u64);
         let mut shelf = self.shelf();
         shelf.bytes = shelf.bytes.saturating_sub(gone);
@@ -355,6 +358,6 @@ mod tests {
                 scope.spawn(|| assert_eq!(read(&library, &path, Form::Heights).len(), 1000, "whole"));
             }
         });
-        assert_eq!(library.reads(), Reads { read: 1, shared: 7 }, "once");
+        assert_eq!(library.reads(), Reads { read: 1, shared: 7, hashed: 0 }, "once");
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::error::{Place, Problem, Result};
 use crate::scene::description::Description;
-use crate::scene::{self, Built, Loaded, Needs, Scene, Wanted};
+use crate::scene::{self, Built, Library, Loaded, Needs, Scene, Wanted};
 use crate::tradeoff::design::Axis;
 use crate::tradeoff::knobs::{Facts, Knob};
 use crate::trust::Trust;
@@ -81,7 +81,7 @@ impl Subject {
     /// Fails if a file cannot be read.
     pub fn identity(&self) -> Result<Value> {
         let folder = self.path.parent().unwrap_or(Path::new(""));
-        scene::identity_within(&self.base, folder, &self.files, &self.trust)
+        scene::identity_within(&self.base, folder, &self.files, (&self.trust, &Library::default()))
     }
 
     /// What the file says of a knob's key, as a file would say it; `None` where it is left to the renderer.

@@ -163,7 +163,8 @@ pub struct RenderArgs {
 
     /// Go on from the file of --checkpoint, if it is there: the picture is that of one go, bit for bit
     ///
-    /// Scene, files, flags and version must be the same, as must the instruction set.
+    /// Scene, files, flags and version must be the same, as must the instruction set. Of several frames (--frames), those whose .exr or .part
+    /// files say that they are what is asked for are left out.
     #[arg(long)]
     pub resume: bool,
 

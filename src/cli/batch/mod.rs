@@ -1,10 +1,9 @@
 //! The command `batch`: many pictures, one after the other or side by side.
 //!
 //! A batch file or scene files become tasks, one for each picture (`tasks`). Workers take them in their order (`work`), leave out what is
-//! done by what its files say (`done`), wait for memory (`memory`), and make pictures on a stage of their own, whose library is shared.
+//! done by what its files say (`cli::done`), wait for memory (`memory`), and make pictures on a stage of their own, whose library is shared.
 //! What became of each is told at the end (`summary`).
 
-mod done;
 pub(super) mod memory;
 mod summary;
 mod tasks;

@@ -76,7 +76,7 @@ impl Summary<'_> {
         }
         let counts = Fate::WORDS.iter().map(|word| (self.count(word), word)).filter(|(count, _)| *count > 0);
         let counts: Vec<String> = counts.map(|(count, word)| format!("{count} {word}")).collect();
-        let Reads { read, shared } = self.reads;
+        let Reads { read, shared, .. } = self.reads;
         text + &format!("{}; {read} files read, {shared} times there already\n", counts.join(", "))
     }
 

@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Instant;
 
-use super::done::Wanted;
 use super::memory::{self, Gate, Pass};
 use super::summary::Fate;
 use super::tasks::Task;
+use crate::cli::done::Wanted;
 use crate::cli::options::{BatchOptions, RenderOptions};
 use crate::cli::progress::Meter;
 use crate::cli::render::{tell_dropped, write};

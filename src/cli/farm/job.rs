@@ -1,6 +1,6 @@
 //! What is farmed out, whatever the engine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use xxhash_rust::xxh3::xxh3_64;
@@ -10,7 +10,8 @@ use crate::cli::kept;
 use crate::cli::options::{FarmOptions, trust_words};
 use crate::error::Result;
 use crate::image::Window;
-use crate::render::{self, Outline, PartFile, Settings, Slice};
+use crate::render::{self, Checkpoint, Outline, PartFile, Settings, Slice};
+use crate::scene::Library;
 use crate::trust::Trust;
 
 /// A picture in slices.
@@ -21,6 +22,8 @@ pub(super) struct Job<'a> {
     pub(super) slices: u32,
     /// Those whose parts are not there yet, in their order.
     pub(super) missing: Vec<u32>,
+    /// Files of parts and checkpoints that are damaged: nothing can be made of them, and they would stand in the way of new ones.
+    pub(super) damaged: Vec<PathBuf>,
     /// What tells its scene from others.
     pub(super) scene_hash: String,
     /// What tells its parts from those of other pictures.
@@ -44,13 +47,14 @@ impl<'a> Job<'a> {
             slice: Some(Slice { index, of }),
             ..Settings::default()
         };
-        let about = kept::about(&options.picture, &frozen)?;
+        let about = kept::about(&options.picture, &frozen, &Library::default())?;
         let corners = options.picture.crop.map(Window::corners);
         let digest = xxh3_64(json!([about, corners, of]).to_string().as_bytes());
         let mut job = Self {
             options,
             slices: of,
             missing: Vec::new(),
+            damaged: Vec::new(),
             scene_hash: frozen.hash.clone(),
             digest: format!("{:08x}", digest >> 32),
         };
@@ -60,13 +64,45 @@ impl<'a> Job<'a> {
                 job.missing.push(slice);
             }
         }
+        job.look_at_checkpoints();
         Ok(job)
     }
 
-    /// Whether a part is there, by what its head says; `merge` looks at the rest.
-    fn is_there(&self, slice: u32, outline: &Outline, about: &serde_json::Value) -> bool {
-        let Ok((file, length)) = kept::open(&self.part(slice)) else { return false };
-        PartFile::open(file, length).is_ok_and(|part| part.outline() == outline && part.about() == about)
+    /// Whether a part is there and sound: `merge` refuses what is not.
+    fn is_there(&mut self, slice: u32, outline: &Outline, about: &serde_json::Value) -> bool {
+        let path = self.part(slice);
+        let Ok((file, length)) = kept::open(&path) else { return false };
+        let looked = PartFile::open(file, length).and_then(|part| {
+            let is_wanted = part.outline() == outline && part.about() == about;
+            if is_wanted { part.check().map(|()| true) } else { Ok(false) }
+        });
+        looked.unwrap_or_else(|what| {
+            tracing::warn!("{}: {what}; slice {slice} is rendered again", path.display());
+            self.damaged.push(path);
+            false
+        })
+    }
+
+    /// Finds checkpoints of missing slices that are damaged: tasks would be refused to go on from them.
+    fn look_at_checkpoints(&mut self) {
+        let entries = std::fs::read_dir(&self.options.dir).into_iter().flatten().flatten();
+        for path in entries.map(|entry| entry.path()) {
+            if let Some(slice) = self.slice_of(&path)
+                && let Ok((file, length)) = kept::open(&path)
+                && let Err(what) = Checkpoint::open(file, length).and_then(Checkpoint::check)
+            {
+                tracing::warn!("{}: {what}; slice {slice} is begun anew", path.display());
+                self.damaged.push(path);
+            }
+        }
+    }
+
+    /// Of which missing slice a file is a checkpoint, if it is one.
+    fn slice_of(&self, path: &Path) -> Option<u32> {
+        let name = path.file_name()?.to_str()?;
+        let (slice, rest) = name.strip_prefix(&self.stem())?.split_once(".part.")?;
+        let slice = slice.parse().ok().filter(|slice| self.missing.contains(slice))?;
+        rest.ends_with(".ckpt").then_some(slice)
     }
 
     /// The word for the merge that says what parts may ask for, where that is not as usual.
@@ -110,9 +146,9 @@ fn ranges(numbers: &[u32]) -> String {
     runs.map(run).collect::<Vec<_>>().join(",")
 }
 
-/// Lines of a POSIX shell that name the checkpoint of `$part` as `$checkpoint`: one for each kind of processor, since checkpoints go on with
-/// the same instruction set only, and an engine may send a task elsewhere.
-pub(super) const CHECKPOINT: &str = r#"kind=$({ echo "${SPECULA_ISA:-}"; grep -m 1 '^flags' /proc/cpuinfo; } | cksum)
+/// Lines of a POSIX shell that name the checkpoint of `$part` as `$checkpoint`: one for each version, instruction set and Embree that
+/// `$program` tells, since checkpoints go on with the same ones only, and an engine may send a task elsewhere.
+pub(super) const CHECKPOINT: &str = r#"kind=$("$program" --version | cksum)
 checkpoint=$part.${kind%% *}.ckpt"#;
 
 #[cfg(test)]

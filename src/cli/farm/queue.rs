@@ -199,7 +199,7 @@ fn ended(job: &Job<'_>, ids: &Ids, status: i32) -> Result<()> {
         2 => {
             let problem =
                 Problem::new(format!("the parts could not be merged, as `{}` tells", log.display()));
-            Err(problem.remedy("give the command again: parts that are there are kept").into())
+            Err(problem.remedy("give the command again: it keeps the parts that are sound").into())
         }
         _ => Err(failed(format!("the merge ended with status {status}; `{}` tells why", log.display()))),
     }

@@ -166,7 +166,12 @@ pub(super) fn ask_lights<S: Isa, const N: usize>(
     let cos = question.light.z;
     let carried = at.lanes.beta * lit * light.li * (cos / light.pdf);
     let wanted = light.valid & cos.gt(0.0) & at.met.hit;
-    queue(isa, queues, at, (&Towards { wi: light.wi, p: light.p, infinite: light.infinite, carried }, wanted));
+    queue(
+        isa,
+        queues,
+        at,
+        (&Towards { wi: light.wi, p: light.p, infinite: light.infinite, carried }, wanted),
+    );
 }
 
 /// Queues rays of the last ways on towards an environment that is the same all around, which is not asked.
