@@ -16,7 +16,7 @@ use specula::geometry::{Disc, Sphere};
 use specula::image::Image;
 use specula::light::{
     Area, Directional, DiscArea, Emitter, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
-    Reference, SphereLight, Spot, spot_cosines,
+    Reference, SphereLight, Spot, spot_versines,
 };
 use specula::math::{Rgb, Vec3};
 use std::f64::consts::PI;
@@ -420,9 +420,9 @@ fn corners() -> impl Iterator<Item = [f32; 2]> {
 #[test]
 fn lights_are_dark_from_behind_and_finite_everywhere() {
     let sun = Directional { direction: -UP, irradiance: Rgb::WHITE };
-    let [cos_outer, cos_inner] = spot_cosines(0.5, 0.0);
+    let [versine_outer, versine_inner] = spot_versines(0.5, 0.0);
     let position = Vec3::new(0.0, 1.0, 0.0);
-    let spot = Spot { position, axis: -UP, intensity: Rgb::WHITE, cos_outer, cos_inner };
+    let spot = Spot { position, axis: -UP, intensity: Rgb::WHITE, versine_outer, versine_inner };
     let lights = [
         square(1.0),
         disc(),
@@ -485,10 +485,15 @@ fn power_by_sampling(light: &Light) -> Estimate {
 fn points_and_spots_have_the_power_they_say() {
     let point = Light::Point(Point { position: ORIGIN, intensity: Rgb::gray(3.0) });
     for (angle, softness) in [(0.5, 0.0), (0.5, 0.3), (1.2, 1.0), (3.0, 0.5)] {
-        let [cos_outer, cos_inner] = spot_cosines(angle, softness);
+        let [versine_outer, versine_inner] = spot_versines(angle, softness);
         let axis = Vec3::new(0.6, 0.0, 0.8);
-        let spot =
-            Light::Spot(Spot { position: ORIGIN, axis, intensity: Rgb::gray(3.0), cos_outer, cos_inner });
+        let spot = Light::Spot(Spot {
+            position: ORIGIN,
+            axis,
+            intensity: Rgb::gray(3.0),
+            versine_outer,
+            versine_inner,
+        });
         for light in [&spot, &point] {
             let found = power_by_sampling(light);
             let expected = f64::from(light.power(1.0));

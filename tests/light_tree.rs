@@ -9,7 +9,7 @@ use random::Random;
 use specula::light::tree::Leaf;
 use specula::light::{
     Area, Directional, DiscArea, Light, LightId, LightTree, MeshArea, Point, RectangleArea, Reference,
-    SphereLight, Spot, spot_cosines,
+    SphereLight, Spot, spot_versines,
 };
 use specula::math::lanes::{Isa, Kernel, Lanes, Level};
 use specula::math::{Rgb, Vec3};
@@ -30,7 +30,7 @@ fn lights() -> Vec<Light> {
         let radiance = Rgb::gray(random.logarithmic(0.1, 100.0));
         let two_sided = i % 4 == 0;
         let position = Vec3::from(center);
-        let [cos_outer, cos_inner] = spot_cosines(random.unit() * 3.0, random.unit());
+        let [versine_outer, versine_inner] = spot_versines(random.unit() * 3.0, random.unit());
         let axis = Vec3::from(normal);
         all.push(match i % 6 {
             0 | 5 => {
@@ -40,7 +40,7 @@ fn lights() -> Vec<Light> {
             1 => Light::Disc(Area { surface: DiscArea::new(center, normal, size), radiance, two_sided }),
             2 => Light::Sphere(SphereLight { center: position, radius: size, radiance }),
             3 => Light::Point(Point { position, intensity: radiance }),
-            _ => Light::Spot(Spot { position, axis, intensity: radiance, cos_outer, cos_inner }),
+            _ => Light::Spot(Spot { position, axis, intensity: radiance, versine_outer, versine_inner }),
         });
     }
     for count in [3_u16, 40] {

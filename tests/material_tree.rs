@@ -271,11 +271,19 @@ fn faulty_mixes_are_told() {
             lamp = {{ type = 'emission', radiance = 1 }}
             bright = {{ type = 'diffuse', emission = 1 }}
             ice = {{ type = 'dielectric' }}
+            along = {{ type = 'conductor', metal = 'Ag', alpha = [0.1, 0.4] }}
+            across = {{ type = 'conductor', metal = 'Au', alpha = [0.1, 0.4], rotate_deg = 90 }}
             other = {{ type = 'mix', parts = [{{ material = 'matt' }}] }}
             mix = {{ type = 'mix', parts = [{parts}] }}"
         ))
     };
-    assert_eq!(with("{ material = 'matt' }, { material = 'ice' }"), "", "a good one");
+    for good in [
+        "{ material = 'matt' }, { material = 'ice' }",
+        "{ material = 'across', weight = 0.5 }, { material = 'across', weight = 0.2 }",
+        "{ material = 'along', weight = 0 }, { material = 'across' }, { material = 'ice', weight = 0 }",
+    ] {
+        assert_eq!(with(good), "", "{good}: a good one");
+    }
     for (parts, told) in [
         ("", "`parts` is empty"),
         ("{ material = 'mat' }", "unknown material `mat`"),
@@ -283,6 +291,10 @@ fn faulty_mixes_are_told() {
         ("{ material = 'lamp' }", "`lamp` is a light"),
         ("{ material = 'bright' }", "`bright` shines"),
         ("{ material = 'ice' }, { material = 'ice' }", "the surface of two bodies"),
+        (
+            "{ material = 'along', weight = 0.5 }, { material = 'across', weight = 0.5 }",
+            "brushed in different directions; give all of them the same `rotate_deg`",
+        ),
         (
             "{ material = 'matt', weight = 0.7 }, { material = 'ice', weight = [0.2, 0.3, 0.4] }",
             "more than 1",

@@ -67,7 +67,8 @@ pub fn judge(world: &World, brute: &Brute, ray: &Ray, oracle: Option<&Hit>, foun
             verdict = boundary;
         }
         let mut rest = *ray;
-        rest.t_min = passed.t + met.reach();
+        // At least one step: all is exact of what starts at the origin and is met there.
+        rest.t_min = (passed.t + met.reach()).max(passed.t.next_up());
         next = brute.intersect(&rest);
     }
     verdict
@@ -223,5 +224,28 @@ impl<'a> Met<'a> {
             let met = self.shape.intersect(self.hit.prim, &beside);
             met.is_none_or(|near| (near.t - self.hit.t).abs() > self.reach())
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Mesh;
+    use std::sync::Arc;
+
+    /// Nothing is rounded where all is zero.
+    #[test]
+    fn rays_that_start_at_the_origin_on_a_surface_are_judged() {
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| glam::Vec3::new(x, y, 0.0));
+        let mut world = World::default();
+        let id = world.add_shape(Shape::Mesh(Mesh::new(corners.into(), vec![[0, 1, 2]]).expect("a mesh")));
+        world.place(id, None);
+        let world = Arc::new(world);
+        let brute = Brute::new(world.clone());
+        let ray = Ray::new(glam::Vec3::ZERO, glam::Vec3::Z);
+        let oracle = brute.intersect(&ray);
+        assert!(oracle.is_some_and(|hit| hit.t.to_bits() == 0), "{oracle:?}");
+        assert_eq!(judge(&world, &brute, &ray, oracle.as_ref(), oracle.as_ref()), Verdict::Same);
+        assert_eq!(judge(&world, &brute, &ray, oracle.as_ref(), None), Verdict::Range);
     }
 }

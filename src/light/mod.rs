@@ -16,7 +16,7 @@ mod sphere;
 pub mod tree;
 
 pub use area::{Area, Asked, Density, SampleArea, SurfacePoint};
-pub use delta::{Directional, Point, Spot, spot_cosines};
+pub use delta::{Directional, Point, Spot, spot_versines};
 pub use disc::DiscArea;
 pub use environment::Environment;
 pub use environment_map::{Arriving, EnvironmentMap};

@@ -175,6 +175,14 @@ impl Scattering {
         own.into_iter().chain(layers.iter().map(|layer| &layer.scattering))
     }
 
+    /// The same, but for parts of weight zero, which may be kept for comparison.
+    fn parts_that_count(&self) -> impl Iterator<Item = &Self> {
+        let layers = if let Self::Mix(layers) = self { layers.as_slice() } else { &[] };
+        let own = (!matches!(self, Self::Mix(_))).then_some(self);
+        own.into_iter()
+            .chain(layers.iter().filter(|layer| !layer.weight.is_black()).map(|layer| &layer.scattering))
+    }
+
     /// Whether a path has a choice of ways on.
     #[must_use]
     pub fn has_choice(&self) -> bool {
@@ -242,14 +250,20 @@ impl Scattering {
 
     /// The medium that the surface bounds.
     pub(super) fn medium(&self) -> Option<&Medium> {
-        self.parts()
+        self.parts_that_count()
             .find_map(|part| if let Self::Dielectric { medium, .. } = part { Some(medium) } else { None })
     }
 
-    /// By how much the first tangent is turned about the normal, where the surface is not the same in all directions.
+    /// By how much the first tangent is turned about the normal, where the surface is not the same in all directions. Parts of a mix are
+    /// all turned alike.
     #[must_use]
     pub fn turn(&self) -> Option<f32> {
-        self.parts().find_map(|part| match part {
+        self.turns().next()
+    }
+
+    /// The same of each part for which it counts.
+    pub fn turns(&self) -> impl Iterator<Item = f32> {
+        self.parts_that_count().filter_map(|part| match part {
             Self::Conductor { facets, .. } | Self::Dielectric { facets, .. } => facets.as_ref()?.turn,
             Self::Schlick(surface) => (!surface.is_isotropic()).then_some(0.0),
             _ => None,

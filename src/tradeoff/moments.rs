@@ -141,7 +141,8 @@ impl Measure {
         let (mut sum, mut cross) = (0.0, 0.0);
         for (i, (p, q)) in self.pixels(x).zip(self.pixels(y)).enumerate() {
             let (w, doubt) = (&self.weights[i], &self.doubts[i]);
-            if w[0] > 0.0 {
+            // Pixels of a picture that are not finite are left out of its error, too.
+            if w[0] > 0.0 && p.iter().chain(&q).all(|x| x.is_finite()) {
                 sum += [0, 1, 2].map(|c| w[c] * p[c] * q[c]).iter().sum::<f64>();
                 let of = |difference: [f64; 3]| (0..3).map(|c| doubt[c] * difference[c]).sum::<f64>();
                 cross += of(p) * of(q);
@@ -363,6 +364,13 @@ mod tests {
         let product = measure.product(&bright, &bright);
         assert!((product.value - 0.25 / 1.01).abs() < 1e-6 && product.cross.abs() < 1e-12, "{product:?}");
         assert!(measure.floor().iter().all(|x| x.to_bits() == 0), "nothing is known of its noise");
+        let mut torn = bright.clone();
+        torn.set_pixel(5, 5, Rgb::gray(f32::INFINITY));
+        let product = measure.product(&torn, &bright);
+        assert!(
+            (product.value / (0.25 / 1.01) - 1.0).abs() < 0.01 && product.cross.abs() < 1e-12,
+            "{product:?}"
+        );
     }
 
     #[test]

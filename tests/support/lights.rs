@@ -3,7 +3,7 @@
 use specula::image::Image;
 use specula::light::{
     Area, Directional, DiscArea, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
-    SphereLight, Spot, spot_cosines,
+    SphereLight, Spot, spot_versines,
 };
 use specula::math::{Rgb, Vec3};
 
@@ -27,7 +27,7 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
     let picture =
         EnvironmentMap::new(Image::from_pixels(16, 8, pixels).expect("fits"), 1.0, 0.3).expect("shines");
     let position = Vec3::new(0.0, 4.0, 1.0);
-    let [cos_outer, cos_inner] = spot_cosines(0.9, 0.5);
+    let [versine_outer, versine_inner] = spot_versines(0.9, 0.5);
     let axis = Vec3::new(0.0, -1.0, 0.0);
     vec![
         ("rectangle", Light::Rectangle(Area { surface: rectangle, radiance, two_sided: true })),
@@ -44,7 +44,7 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
         ("strip", Light::Mesh(Area { surface: strip, radiance, two_sided: true })),
         ("sphere", Light::Sphere(SphereLight { center: position, radius: 0.5, radiance })),
         ("point", Light::Point(Point { position, intensity: radiance })),
-        ("spot", Light::Spot(Spot { position, axis, intensity: radiance, cos_outer, cos_inner })),
+        ("spot", Light::Spot(Spot { position, axis, intensity: radiance, versine_outer, versine_inner })),
         ("sun", Light::Directional(Directional { direction: axis, irradiance: radiance })),
         ("sky", Light::Environment(Environment::Constant(radiance))),
         ("picture", Light::Environment(Environment::Map(std::sync::Arc::new(picture)))),

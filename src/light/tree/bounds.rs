@@ -36,8 +36,8 @@ impl Bounds {
                 Self::new(aabb, Vec3::Z, [PI, FRAC_PI_2], light.intensity.luminance())
             }
             Light::Spot(light) => {
-                let [inner, outer] =
-                    [light.cos_inner, light.cos_outer].map(|cos| cos.clamp(-1.0, 1.0).acos());
+                let angle = |versine: f32| 2.0 * (0.5 * versine).sqrt().min(1.0).asin();
+                let [inner, outer] = [light.versine_inner, light.versine_outer].map(angle);
                 let angles = [inner, (outer - inner).min(FRAC_PI_2)];
                 // What fades beyond a right angle is not missed: the whole cone counts as full.
                 let angles = if outer - inner > FRAC_PI_2 { [outer, 0.0] } else { angles };

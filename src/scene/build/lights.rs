@@ -5,7 +5,7 @@ use crate::geometry::{Disc, Mesh, Shape, Sphere};
 use crate::image;
 use crate::light::{
     Area, Directional, DiscArea, Environment, EnvironmentMap, Light, MeshArea, Point, RectangleArea,
-    SphereLight, Spot, spot_cosines,
+    SphereLight, Spot, spot_versines,
 };
 use crate::material::{Emission, Material, Scattering};
 use crate::math::Rgb;
@@ -32,11 +32,11 @@ impl Builder {
                     );
                 }
                 &Described::Spot { position, at, intensity, angle_deg, softness } => {
-                    let [cos_outer, cos_inner] = spot_cosines(angle_deg.to_radians(), softness);
+                    let [versine_outer, versine_inner] = spot_versines(angle_deg.to_radians(), softness);
                     let axis = unit(at - position).into();
                     let position = self.origin.place(position).into();
                     self.add_light(
-                        Light::Spot(Spot { position, axis, intensity, cos_outer, cos_inner }),
+                        Light::Spot(Spot { position, axis, intensity, versine_outer, versine_inner }),
                         &light.place,
                     );
                 }

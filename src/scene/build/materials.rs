@@ -99,14 +99,21 @@ impl Builder {
                 }
             }
         }
-        if layers.iter().filter(|layer| matches!(layer.scattering, Scattering::Dielectric { .. })).count() > 1
-        {
+        let counting = layers.iter().filter(|layer| !layer.weight.is_black());
+        if counting.filter(|layer| matches!(layer.scattering, Scattering::Dielectric { .. })).count() > 1 {
             let what = format!("`{}` would be the surface of two bodies", named.name);
             let remedy = "let one part at most be a `dielectric`";
             self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
         }
         let is_empty = layers.is_empty() && self.prunes;
         let scattering = if is_empty { Scattering::Black } else { Scattering::Mix(layers) };
+        let mut turns = scattering.turns();
+        if turns.next().is_some_and(|first| turns.any(|turn| (turn - first).abs() > 1e-6)) {
+            let what = format!("parts of `{}` are brushed in different directions", named.name);
+            let remedy = "give all of them the same `rotate_deg` (anisotropic `schlick` has 0)";
+            self.problems.push(Problem::at(named.place.clone(), what).remedy(remedy));
+        }
+        drop(turns);
         self.finished(scattering, &named.value)
     }
 
