@@ -87,7 +87,12 @@ fn disc() -> Light {
 }
 
 fn sphere() -> Light {
-    Light::Sphere(SphereLight { center: Vec3::new(0.0, 1.5, 0.0), radius: 0.5, radiance: Rgb::gray(2.0) })
+    Light::Sphere(SphereLight {
+        center: Vec3::new(0.0, 1.5, 0.0),
+        radius: 0.5,
+        radiance: Rgb::gray(2.0),
+        two_sided: false,
+    })
 }
 
 const SQUARE: [[Point3; 3]; 2] = {
@@ -328,8 +333,12 @@ fn two_triangles_are_a_rectangle_if_they_make_one_up() {
 #[test]
 fn a_sphere_on_the_horizon_shines_with_its_upper_half_only() {
     // Half of sin^2 of the half angle times the mean of the cosine in the plane of symmetry, by quadrature.
-    let light =
-        Light::Sphere(SphereLight { center: Vec3::new(2.0, 0.0, 0.0), radius: 1.0, radiance: Rgb::WHITE });
+    let light = Light::Sphere(SphereLight {
+        center: Vec3::new(2.0, 0.0, 0.0),
+        radius: 1.0,
+        radiance: Rgb::WHITE,
+        two_sided: false,
+    });
     let (steps, half_angle) = (1000, PI / 6.0);
     let mut expected = 0.0;
     for i in 0..steps {
@@ -342,6 +351,25 @@ fn a_sphere_on_the_horizon_shines_with_its_upper_half_only() {
     }
     let found = irradiance(&light, at(0.0, 0.0, 0.0), 20);
     assert!(found.agrees_with(expected), "{found:?}, not {expected}");
+}
+
+/// In the middle as beside it: a white sky above any surface.
+#[test]
+fn a_sphere_that_shines_inwards_is_a_sky() {
+    let center = Vec3::new(0.0, 1.0, 0.0);
+    let light = Light::Sphere(SphereLight { center, radius: 3.0, radiance: Rgb::WHITE, two_sided: true });
+    for from in [at(0.0, 1.0, 0.0), at(0.5, 0.2, -1.0), at(0.0, -1.9, 0.0)] {
+        let found = irradiance(&light, from, 20);
+        assert!(found.agrees_with(PI), "{found:?}, not pi");
+        for u2 in pairs(80).take(200) {
+            let sample = light.sample(from, u2);
+            let (p, wi) = (Point3::from(sample.p), Point3::from(sample.wi));
+            assert!((p.distance(Point3::Y) - 3.0).abs() < 1e-5, "{p} is on the sphere");
+            assert!((p - Point3::from(from.p)).normalize().distance(wi) < 1e-5, "{p} lies along {wi}");
+            let emitter = Emitter { p, ng: (p - Point3::Y) / 3.0, prim: 0 };
+            assert!((light.pdf(from, sample.wi, Some(&emitter)) / sample.pdf - 1.0).abs() < 1e-6, "density");
+        }
+    }
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn lights() -> Vec<Light> {
                 Light::Rectangle(Area { surface, radiance, two_sided })
             }
             1 => Light::Disc(Area { surface: DiscArea::new(center, normal, size), radiance, two_sided }),
-            2 => Light::Sphere(SphereLight { center: position, radius: size, radiance }),
+            2 => Light::Sphere(SphereLight { center: position, radius: size, radiance, two_sided: false }),
             3 => Light::Point(Point { position, intensity: radiance }),
             _ => Light::Spot(Spot { position, axis, intensity: radiance, versine_outer, versine_inner }),
         });

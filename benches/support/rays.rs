@@ -41,7 +41,12 @@ pub(crate) struct Recorded {
 pub(crate) fn record(world: &World, accel: &impl Accel, eye: Vec3, at: Vec3, tiles: u32) -> Recorded {
     let bounds = world.bounds();
     let center = bounds.center() + Vec3::new(0.5, 2.0, 0.7) * bounds.radius();
-    let lamp = SphereLight { center: center.into(), radius: 0.1 * bounds.radius(), radiance: Rgb::WHITE };
+    let lamp = SphereLight {
+        center: center.into(),
+        radius: 0.1 * bounds.radius(),
+        radiance: Rgb::WHITE,
+        two_sided: false,
+    };
     let size = [512, 512];
     let camera: Camera = Pinhole::new([eye, at, Vec3::Y], 2.0 * 0.4_f32.atan(), size).into();
     let lights = [Light::Sphere(lamp)];

@@ -289,7 +289,8 @@ mod tests {
         let camera =
             Pinhole::new([glam::Vec3::Z * 4.0, glam::Vec3::ZERO, glam::Vec3::Y], 0.8, [30, 20]).into();
         let center = Vec3::new(0.0, 5.0, 2.0);
-        let lights = [Light::Sphere(SphereLight { center, radius: 0.5, radiance: Rgb::WHITE })];
+        let lights =
+            [Light::Sphere(SphereLight { center, radius: 0.5, radiance: Rgb::WHITE, two_sided: false })];
         let stand = Stand { world: &world, camera: &camera, size: [30, 20], lights: &lights, moves: false };
         record(&stand, &brute, classes, count)
     }

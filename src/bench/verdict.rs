@@ -236,13 +236,13 @@ mod tests {
     /// Nothing is rounded where all is zero.
     #[test]
     fn rays_that_start_at_the_origin_on_a_surface_are_judged() {
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| glam::Vec3::new(x, y, 0.0));
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (0.0, 1.0)].map(|(x, y)| Vec3::new(x, y, 0.0));
         let mut world = World::default();
         let id = world.add_shape(Shape::Mesh(Mesh::new(corners.into(), vec![[0, 1, 2]]).expect("a mesh")));
         world.place(id, None);
         let world = Arc::new(world);
         let brute = Brute::new(world.clone());
-        let ray = Ray::new(glam::Vec3::ZERO, glam::Vec3::Z);
+        let ray = Ray::new(Vec3::ZERO, Vec3::Z);
         let oracle = brute.intersect(&ray);
         assert!(oracle.is_some_and(|hit| hit.t.to_bits() == 0), "{oracle:?}");
         assert_eq!(judge(&world, &brute, &ray, oracle.as_ref(), oracle.as_ref()), Verdict::Same);

@@ -8,7 +8,7 @@ use crate::integrator::shading::Shading;
 use crate::integrator::splitting::Counts;
 use crate::integrator::{Counters, Stage, Worker};
 use crate::light::{Emitter, Light, LightSample, Reference};
-use crate::material::{Material, MaterialId};
+use crate::material::{Crossing, MOST_HIDDEN, Media};
 use crate::math::{Rgb, Vec3};
 use crate::sampling::{Dim, Sampler, Vertex, heuristic};
 use crate::scene::needs::capability::Capability;
@@ -18,8 +18,8 @@ pub(super) struct Receiver<'a> {
     pub(super) it: &'a Interaction,
     pub(super) shading: Shading<f32>,
     pub(super) mix: &'a Mix<f32>,
-    /// The medium on the viewer's side, and that on the other.
-    pub(super) media: [Option<MaterialId>; 2],
+    /// The media on the viewer's side, and those on the other.
+    pub(super) media: [Media; 2],
     /// How many rays are sent from here.
     pub(super) counts: Counts,
     /// Whether glossy lobes are followed as mirrors, which find lights with a size alone.
@@ -91,18 +91,21 @@ fn from_light<A: Accel>(
     let Some(ray) = towards(stage, receiver, light, (&sample, below), counters) else { return Rgb::BLACK };
     let straight = !diffuse.is_black() && stage.scene.uses(Capability::GlassShadows);
     let mut unhindered = diffuse + glossy;
+    let media = receiver.media[usize::from(below)];
     if stage.scene.uses(Capability::Absorption) {
-        let medium = receiver.media[usize::from(below)];
-        let way = sample.p - receiver.it.p.into();
-        let length = if light.is_infinite() { f32::INFINITY } else { way.length() };
-        unhindered *= stage.scene.absorbed(medium, length);
+        let length = left(light, &sample, receiver.it.p);
+        unhindered *= stage.scene.absorbed(media.current(), length);
     }
     if let Some(deferred) = worker.deferred.as_mut().filter(|_| !straight) {
         counters.shadow += 1;
         deferred.push(&ray, carried * unhindered);
         return Rgb::BLACK;
     }
-    let seen = visibility(stage, &ray, light, (&sample, straight), counters);
+    if !straight {
+        counters.shadow += 1;
+        return if stage.accel.occluded(&ray) { Rgb::BLACK } else { unhindered };
+    }
+    let seen = visibility(stage, (&ray, media), light, &sample, counters);
     // Through glass the rays of glossy lobes find their own, bent way.
     if seen.clear { unhindered } else { diffuse * seen.through }
 }
@@ -153,7 +156,6 @@ struct Visibility {
 
 impl Visibility {
     const BLOCKED: Self = Self { through: Rgb::BLACK, clear: false };
-    const CLEAR: Self = Self { through: Rgb::WHITE, clear: true };
 }
 
 /// The ray from a surface towards a light's sample; `None` where the surface itself is in the way.
@@ -173,51 +175,57 @@ fn onwards(it: &Interaction, light: &Light, sample: &LightSample<f32>) -> Ray {
     if light.is_infinite() { it.spawn(sample.wi.into()) } else { it.spawn_to(sample.p.into()) }
 }
 
-/// How much of a light's sample arrives: all or nothing, but for ways through glass where they are taken as
-/// `straight`.
+/// How far it is to a light's sample.
+fn left(light: &Light, sample: &LightSample<f32>, from: glam::Vec3) -> f32 {
+    if light.is_infinite() { f32::INFINITY } else { from.distance(sample.p.into()) }
+}
+
+/// How much of a light's sample arrives where ways through glass are taken as straight: what surfaces pass on and media leave, but for the medium
+/// of a way that is clear. Faces that overlapping media hide are not there.
 fn visibility<A: Accel>(
     stage: &Stage<'_, A>,
-    first: &Ray,
+    (first, mut media): (&Ray, Media),
     light: &Light,
-    (sample, straight): (&LightSample<f32>, bool),
+    sample: &LightSample<f32>,
     counters: &mut Counters,
 ) -> Visibility {
-    counters.shadow += 1;
-    if !straight {
-        return if stage.accel.occluded(first) { Visibility::BLOCKED } else { Visibility::CLEAR };
-    }
-    let mut seen = Visibility::CLEAR;
+    let scene = stage.scene;
+    let mut seen = Visibility { through: Rgb::WHITE, clear: true };
     let mut ray = *first;
-    while let Some(hit) = stage.accel.intersect(&ray) {
-        let it = stage.scene.world.interaction(&ray, &hit);
-        let material = stage.scene.material(&it).1;
+    for _ in 0..MOST_HIDDEN {
+        counters.shadow += 1;
+        let Some(hit) = stage.accel.intersect(&ray) else {
+            if !seen.clear {
+                seen.through *= scene.absorbed(media.current(), left(light, sample, ray.o));
+            }
+            return seen;
+        };
+        let it = scene.world.interaction(&ray, &hit);
+        let (id, material) = scene.material(&it);
         if !material.scattering.is_clear() {
             return Visibility::BLOCKED;
         }
         seen.clear = false;
-        seen.through *= passed(material, &it, hit.t * ray.d.length());
+        seen.through *= scene.absorbed(media.current(), hit.t * ray.d.length());
+        let crossing =
+            material.medium().map(|medium| media.cross((id, medium), it.is_front(), material.is_interface()));
+        let is_seen = !matches!(crossing, Some(Crossing::Hidden { .. }));
+        if let Some(Crossing::Hidden { beyond } | Crossing::Interface { beyond, .. }) = crossing {
+            media = beyond;
+        }
+        if is_seen {
+            seen.through *= material.scattering.passes(it.wo.dot(it.ns).abs());
+        }
         if seen.through.max_channel() < FAINTEST {
             return Visibility::BLOCKED;
         }
         ray = onwards(&it, light, sample);
-        counters.shadow += 1;
     }
-    seen
+    Visibility::BLOCKED
 }
 
 /// Light that is less than this part of what it was is not followed through more glass.
 const FAINTEST: f32 = 1e-4;
-
-/// What a clear surface passes on a straight way, and what the glass before it absorbed over `length`.
-fn passed(material: &Material, it: &Interaction, length: f32) -> Rgb<f32> {
-    let inside = match material.medium() {
-        Some(medium) if !it.is_front() && !medium.absorption.is_black() => {
-            medium.absorption.scale(-length).exp()
-        }
-        _ => Rgb::WHITE,
-    };
-    inside * material.scattering.passes(it.wo.dot(it.ns).abs())
-}
 
 /// The density, per solid angle, with which asking lights would have found what a ray from `at` along `wi` met.
 pub(super) fn light_pdf(light: &Light, at: Reference<f32>, wi: Vec3<f32>, it: Option<&Interaction>) -> f32 {

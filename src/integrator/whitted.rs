@@ -215,7 +215,7 @@ impl Whitted {
         }
         let mix = material.bsdf(spot, eta)?;
         let shading = Shading::at(&it, tangent(scene, &it, material));
-        let media = [node.media.current(), beyond.current()];
+        let media = [node.media, beyond];
         let counts = self.splitting.at(node.depth);
         let receiver = Receiver { it: &it, shading, mix: &mix, media, counts, polished: self.polished };
         if node.depth < self.max_depth {

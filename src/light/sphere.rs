@@ -6,7 +6,10 @@ use crate::math::{Frame, Rgb, Vec3};
 use crate::sampling::warp;
 use std::f32::consts::PI;
 
-/// A sphere that shines outwards.
+/// One minus the cosine of the half angle of a cone of all directions.
+const ALL: f32 = 2.0;
+
+/// A sphere that shines outwards, or on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereLight {
     /// Centre.
@@ -15,31 +18,39 @@ pub struct SphereLight {
     pub radius: f32,
     /// Emitted radiance.
     pub radiance: Rgb<f32>,
+    /// Whether it shines inwards, too.
+    pub two_sided: bool,
 }
 
 impl SphereLight {
-    /// A direction drawn uniformly from the cone that the sphere fills; none from within the sphere, which is dark.
+    /// A direction drawn uniformly from the cone that the sphere fills; from within, of all directions, or none where it is dark there.
     #[inline(always)]
     pub(super) fn sample<F: Lanes>(&self, at: Reference<F>, u2: [F; 2]) -> LightSample<F> {
         let like = at.p.x;
         let (way, distance2, one_minus_cos) = self.cone(at.p);
         let outside = distance2.gt(self.radius * self.radius);
-        let axis = way * distance2.max(1e-30).rsqrt();
+        let up = Vec3::new(like.splat(0.0), like.splat(0.0), like.splat(1.0));
+        let axis = way.normalize_or(up);
+        let one_minus_cos = F::select(outside, one_minus_cos, like.splat(ALL));
         let wi = Frame::about(axis).to_world(warp::cone(u2, one_minus_cos));
-        // The near crossing, through the distance of the ray from the centre rather than differences of squares.
+        // The near crossing, and from within the only one, through the distance of the ray from the centre rather than differences of squares.
         let mid = way.dot(wi);
         let off2 = (way - wi * mid).length2();
         let half_chord = (-off2 + self.radius * self.radius).max(0.0).sqrt();
-        let p = at.p + wi * (mid - half_chord);
+        let p = at.p + wi * (mid - F::select(outside, half_chord, -half_chord));
         let pdf = warp::cone_pdf(one_minus_cos);
-        let valid = outside & wi.dot(at.n).gt(0.0) & pdf.is_finite();
+        let shines = if self.two_sided { outside | !outside } else { outside };
+        let valid = shines & wi.dot(at.n).gt(0.0) & pdf.is_finite();
         LightSample { wi, p, li: Rgb::splat(like, self.radiance), pdf, valid }
     }
 
-    /// The density of every direction that meets the sphere from outside.
+    /// The density of every direction that meets the sphere on a side that shines.
     pub(super) fn pdf(&self, at: Reference<f32>) -> f32 {
         let (_, distance2, one_minus_cos) = self.cone(at.p);
-        if distance2 > self.radius * self.radius { warp::cone_pdf(one_minus_cos) } else { 0.0 }
+        if distance2 > self.radius * self.radius {
+            return warp::cone_pdf(one_minus_cos);
+        }
+        if self.two_sided { warp::cone_pdf(ALL) } else { 0.0 }
     }
 
     /// The way to the centre, its squared length, and one minus the cosine of the half angle that the sphere fills.
@@ -52,6 +63,7 @@ impl SphereLight {
     }
 
     pub(super) fn power(&self) -> f32 {
-        self.radiance.luminance() * PI * 4.0 * PI * self.radius * self.radius
+        let sides = if self.two_sided { 2.0 } else { 1.0 };
+        self.radiance.luminance() * PI * 4.0 * PI * self.radius * self.radius * sides
     }
 }

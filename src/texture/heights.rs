@@ -25,14 +25,14 @@ pub enum Height {
 impl Heights {
     /// How the height grows with u and with v at a spot, for each unit of them, in numbers of the picture.
     ///
-    /// Differences over a texel on either side, or over what the ray is wide: between texels, where heights are interpolated, they
+    /// Differences over half a texel on either side, or over what the ray is wide: between texels, where heights are interpolated, they
     /// change steadily.
     #[must_use]
     pub fn slopes(&self, spot: Spot<f32>) -> [f32; 2] {
         let [width, height] = self.map.bitmap.size();
         let texel = [(width * self.map.repeat.x).abs().recip(), (height * self.map.repeat.y).abs().recip()];
         std::array::from_fn(|i| {
-            let step = texel[i].max(0.5 * spot.footprint);
+            let step = 0.5 * texel[i].max(spot.footprint);
             let at = |step: f32| {
                 let mut uv = spot.uv;
                 uv[i] += step;
@@ -52,6 +52,36 @@ impl Heights {
                 let repeats = (self.map.repeat.x * self.map.repeat.y).abs();
                 height / (density * (across * down * repeats).sqrt())
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Pixels, Raster};
+    use crate::texture::{Bitmap, Space, Wrap};
+    use glam::Vec2;
+    use std::sync::Arc;
+
+    #[test]
+    fn white_beside_black_is_a_slope_of_one() {
+        let values = [0.0, 1.0, 0.0, 1.0].map(|x| [x, x, x, 1.0]).to_vec();
+        let raster = Raster {
+            width: 4,
+            height: 1,
+            pixels: Pixels::Floats { values, half: false },
+            encoded: false,
+            has_alpha: false,
+            warnings: vec![],
+        };
+        let bitmap = Arc::new(Bitmap::new(&raster, Space::Linear));
+        let map = Mapped { bitmap, wrap: Wrap::Clamp, repeat: Vec2::ONE, offset: Vec2::ZERO };
+        let heights = Heights { map, channel: Channel::Red, height: Height::Texels(1.0) };
+        // For each texel, which is a quarter.
+        let slope = |u: f32| 0.25 * heights.slopes(Spot { uv: [u, 0.5], footprint: 0.0 })[0];
+        for (u, wanted) in [(0.25, 1.0), (0.5, -1.0), (0.375, 0.0), (0.3125, 0.5)] {
+            assert!((slope(u) - wanted).abs() < 1e-5, "at {u}: {}, not {wanted}", slope(u));
         }
     }
 }

@@ -60,6 +60,20 @@ impl Mapped {
         Rgb::new(r, g, b)
     }
 
+    /// -1 along those axes on which the picture is mirrored at a place, 1 along the others.
+    #[inline(always)]
+    pub(super) fn turned<F: Lanes>(&self, [u, v]: [F; 2]) -> [F; 2] {
+        let one = u.splat(1.0);
+        if self.wrap != Wrap::Mirror {
+            return [one, one];
+        }
+        let of = |x: F| {
+            let half = x * 0.5;
+            F::select((half - half.floor()).ge(0.5), -one, one)
+        };
+        [of(u * self.repeat.x + self.offset.x), of(v * self.repeat.y + self.offset.y)]
+    }
+
     /// One of the channels.
     #[inline(always)]
     pub(super) fn channel_at<F: Lanes>(&self, spot: Spot<F>, channel: Channel) -> F {

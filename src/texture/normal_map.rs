@@ -22,9 +22,43 @@ impl NormalMap {
     /// The normal at a spot: a unit vector whose x is along u, y along v; z where the picture says nothing sensible.
     #[inline(always)]
     pub fn at<F: Lanes>(&self, spot: impl Into<Spot<F>>) -> Vec3<F> {
-        let [r, g, b, _] = self.map.at(spot.into()).map(|c| c * 2.0 - 1.0);
+        let spot = spot.into();
+        let [r, g, b, _] = self.map.at(spot).map(|c| c * 2.0 - 1.0);
+        let [along_x, along_y] = self.map.turned(spot.uv);
         let along_v = if self.flip_y { -self.strength } else { self.strength };
         let up = Vec3::new(r.splat(0.0), r.splat(0.0), r.splat(1.0));
-        Vec3::new(r * self.strength, g * along_v, b).normalize_or(up)
+        Vec3::new(r * along_x * self.strength, g * along_y * along_v, b).normalize_or(up)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Pixels, Raster};
+    use crate::texture::{Bitmap, Space, Wrap};
+    use glam::Vec2;
+    use std::sync::Arc;
+
+    #[test]
+    fn where_the_picture_is_mirrored_so_are_its_normals() {
+        let pixels = Pixels::Floats { values: vec![[0.8, 0.6, 0.9, 1.0]], half: false };
+        let raster =
+            Raster { width: 1, height: 1, pixels, encoded: false, has_alpha: false, warnings: vec![] };
+        let bitmap = Arc::new(Bitmap::new(&raster, Space::Linear));
+        let at = |wrap, uv: [f32; 2]| {
+            let map =
+                Mapped { bitmap: bitmap.clone(), wrap, repeat: Vec2::new(2.0, 1.0), offset: Vec2::ZERO };
+            let n = NormalMap { map, strength: 1.0, flip_y: false }.at(uv);
+            [n.x > 0.0, n.y > 0.0]
+        };
+        for (uv, mirrored) in [
+            ([0.1, 0.2], [true, true]),
+            ([0.6, 0.2], [false, true]),
+            ([-0.1, 1.2], [false, false]),
+            ([1.1, -1.5], [true, true]),
+        ] {
+            assert_eq!(at(Wrap::Mirror, uv), mirrored, "{uv:?}");
+            assert_eq!(at(Wrap::Repeat, uv), [true, true], "{uv:?}");
+        }
     }
 }

@@ -272,6 +272,75 @@ fn overlapping_media_show_the_faces_of_the_stronger_one() {
     assert!(counters.hidden > 0, "the water's face within the glass is passed");
 }
 
+/// Light that goes straight through clear bodies to matt surfaces, straight on: intensity 1 at z = `light`, white walls at z = `wall`.
+fn pool(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> specula::scene::Scene {
+    scene_of(&format!(
+        r#"
+        [camera]
+        from = [0.0, 0.0, 5.0]
+        at = [0.0, 0.0, 0.0]
+        [materials.glass]
+        type = "dielectric"
+        ior = 1.5
+        priority = 2
+        [materials.water]
+        type = "dielectric"
+        ior = 1.33
+        absorption = {sigma:?}
+        priority = 1
+        [materials.white]
+        type = "diffuse"
+        reflectance = 1.0
+        [[shapes]]
+        type = "rectangle"
+        center = [0.0, 0.0, {wall:?}]
+        edge_u = [9.0, 0.0, 0.0]
+        edge_v = [0.0, 9.0, 0.0]
+        material = "white"
+        [[lights]]
+        type = "point"
+        position = [0.0, 0.0, {light:?}]
+        intensity = 1.0
+        {bodies}
+        "#
+    ))
+}
+
+fn body(material: &str, [low, high]: [f32; 2]) -> String {
+    format!(
+        "[[shapes]]\ntype = \"box\"\nmin = [-9.0, -9.0, {low:?}]\nmax = [9.0, 9.0, {high:?}]\nmaterial = \"{material}\"\n"
+    )
+}
+
+#[test]
+fn straight_light_is_absorbed_wherever_it_is_in_a_medium() {
+    let sigma = 0.7_f32;
+    let under_water = body("water", [-4.0, 0.0]);
+    let with_slab = body("water", [-4.0, 0.0]) + &body("glass", [-2.0, -1.5]);
+    let up = Ray::new(Vec3::Z * 0.5, Vec3::Z);
+    let down = Ray::new(Vec3::Z * 5.0, -Vec3::Z);
+    for (what, bodies, places, ray, length) in [
+        ("from a light in the water", &under_water, [1.0, -2.0], up, 2.0),
+        ("to the floor through a slab, and back", &with_slab, [-3.0, 1.0], down, 2.0 * 2.5),
+    ] {
+        let seen = |sigma| trace(&pool(bodies, places, sigma), whitted(8, 1e-9), ray, 0).0.color.g;
+        let (clear, tinted) = (seen(0.0), seen(sigma));
+        let expected = (-sigma * length).exp();
+        assert!(clear > 1e-3, "{what}: {clear}");
+        assert!((tinted / clear / expected - 1.0).abs() < 2e-3, "{what}: {} for {expected}", tinted / clear);
+    }
+}
+
+#[test]
+fn straight_light_passes_hidden_faces_unseen() {
+    let bodies = body("glass", [0.0, 1.0]) + &body("water", [-2.0, 0.25]);
+    let scene = pool(&bodies, [2.0, -3.0], 0.0);
+    let (found, _) = trace(&scene, whitted(8, 1e-9), Ray::new(Vec3::Z * 1.5, Vec3::Z), 0);
+    let passed = |ior: f32| 1.0 - ((ior - 1.0) / (ior + 1.0)).powi(2);
+    let expected = passed(1.33) * passed(1.5).powi(2) / (25.0 * std::f32::consts::PI);
+    assert!((found.color.g / expected - 1.0).abs() < 1e-4, "{} for {expected}", found.color.g);
+}
+
 /// Paths choose one way on at each face. Whichever body is the stronger one where both are, the water is as thick as it is alone or all of it.
 #[test]
 fn paths_meet_the_faces_of_the_stronger_medium() {

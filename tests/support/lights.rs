@@ -42,7 +42,7 @@ pub(crate) fn lights() -> Vec<(&'static str, Light)> {
         ("mesh", Light::Mesh(Area { surface: mesh, radiance, two_sided: true })),
         ("gable", Light::Mesh(Area { surface: gable, radiance, two_sided: false })),
         ("strip", Light::Mesh(Area { surface: strip, radiance, two_sided: true })),
-        ("sphere", Light::Sphere(SphereLight { center: position, radius: 0.5, radiance })),
+        ("sphere", Light::Sphere(SphereLight { center: position, radius: 0.5, radiance, two_sided: false })),
         ("point", Light::Point(Point { position, intensity: radiance })),
         ("spot", Light::Spot(Spot { position, axis, intensity: radiance, versine_outer, versine_inner })),
         ("sun", Light::Directional(Directional { direction: axis, irradiance: radiance })),

@@ -63,7 +63,12 @@ impl Builder {
                 }
                 &Described::Sphere { center, radius, radiance } => {
                     let center = self.origin.place(center);
-                    let shining = Light::Sphere(SphereLight { center: center.into(), radius, radiance });
+                    let shining = Light::Sphere(SphereLight {
+                        center: center.into(),
+                        radius,
+                        radiance,
+                        two_sided: false,
+                    });
                     let shape = Shape::Sphere(Sphere { center, radius });
                     self.add_shining(shape, shining, radiance, &light.place);
                 }

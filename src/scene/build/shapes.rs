@@ -363,7 +363,7 @@ impl Builder {
         }
         Ok(match moved {
             Shape::Sphere(Sphere { center, radius }) => {
-                Light::Sphere(SphereLight { center: center.into(), radius, radiance })
+                Light::Sphere(SphereLight { center: center.into(), radius, radiance, two_sided })
             }
             Shape::Disc(Disc { center, normal, radius }) => {
                 Light::Disc(Area { surface: DiscArea::new(center, normal, radius), radiance, two_sided })
