@@ -273,7 +273,7 @@ fn overlapping_media_show_the_faces_of_the_stronger_one() {
 }
 
 /// Light that goes straight through clear bodies to matt surfaces, straight on: intensity 1 at z = `light`, white walls at z = `wall`.
-fn pool(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> specula::scene::Scene {
+fn pool(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> Scene {
     scene_of(&format!(
         r#"
         [camera]
