@@ -428,7 +428,9 @@ fn bodies_moved_to_their_place_are_those_of_instances() {
             let size = body.size() as f32;
             let turn = Quat::from_axis_angle(Vec3::from(rng.direction()), rng.unit() * 6.0);
             let (scale, shift) = (0.5 + rng.unit(), Vec3::from(rng.triple()) * size);
-            let affine = Affine3A::from_scale_rotation_translation(Vec3::splat(scale), turn, shift);
+            // Mirrored, every other time.
+            let sizes = Vec3::splat(scale).with_x(if rng.unit() < 0.5 { -scale } else { scale });
+            let affine = Affine3A::from_scale_rotation_translation(sizes, turn, shift);
             let map = Transform::new(affine).expect("invertible");
             let moved = body.surface.scaled(&map, scale).expect("a similar body");
             let (world, accel) = placed(&body, Some(map));

@@ -14,7 +14,7 @@ use folder::{Folder, WAYS, close, picture, square};
 use image::{RgbImage, RgbaImage};
 use random::Random;
 use specula::image::exr::{self, Channel as Layer, Picture, Samples};
-use specula::image::{Pixels, Raster, Window, read_raster};
+use specula::image::{Image, Pixels, Raster, Window, read_raster};
 use specula::math::Rgb;
 use specula::math::lanes::{Isa, Kernel, Lanes, Level};
 use specula::texture::{Bitmap, Channel, Mapped, Scalar, Space, Spot, Texture, Wrap};
@@ -508,7 +508,7 @@ fn panel(way: &str, radiance: &str) -> String {
 fn surfaces_shine_by_a_picture_and_light_others() {
     let folder = Folder::new();
     let radiance = "{ file = \"four.png\", factor = 2, wrap = \"clamp\" }";
-    let sum = |image: &specula::image::Image| {
+    let sum = |image: &Image| {
         // The floor alone, which is lit by what is asked of the light, by what is met by chance, or by both.
         let floor = (19..32).flat_map(|y| (0..32).map(move |x| (x, y)));
         floor.fold(Rgb::BLACK, |sum, (x, y)| sum + image.pixel(x, y))
@@ -552,6 +552,33 @@ fn surfaces_shine_by_a_picture_and_light_others() {
         let ratio = [found.r / expected.r, found.g / expected.g, found.b / expected.b];
         // Some 400 pixels of 64 samples each: within 2 per cent.
         assert!(ratio.iter().all(|r| (r - 1.0).abs() < 0.02), "{way}: {ratio:?} of {expected:?}");
+    }
+}
+
+/// A sphere or disc of its own is as one that is placed by a map, which has always been turned.
+#[test]
+fn turned_spheres_and_discs_turn_their_pictures() {
+    let folder = Folder::new();
+    for (form, axis) in [("sphere", [1, 0, 0]), ("disc", [0, 0, 1])] {
+        let scene = |shapes: &str| {
+            folder.scene(&format!(
+                "[camera]\nfrom = [0, 0.5, 4]\nat = [0, 0, 0]\nvfov_deg = 35\n[film]\nwidth = 24\nheight = 24\n\
+                 [render]\nspp = 4\n[materials.m]\ntype = \"diffuse\"\nreflectance = {{ file = \"four.png\" }}\n\
+                 [[lights]]\ntype = \"environment\"\nradiance = 1.0\n{shapes}"
+            ))
+        };
+        let shape = format!("[[shapes]]\ntype = \"{form}\"\nradius = 1.0\nmaterial = \"m\"\n");
+        let turn = format!("transform = [{{ rotate_deg = 50, axis = {axis:?} }}]\n");
+        let still = picture(&scene(&shape));
+        let turned = picture(&scene(&format!("{shape}{turn}")));
+        let hidden = format!("{shape}name = \"a\"\nhidden = true\n");
+        let instance = format!("[[shapes]]\ntype = \"instance\"\nof = \"a\"\n{turn}");
+        let placed = picture(&scene(&format!("{hidden}{instance}")));
+        let apart = |a: &Image, b: &Image| {
+            a.pixels().iter().zip(b.pixels()).filter(|(a, b)| (a.g - b.g).abs() > 0.1).count()
+        };
+        assert!(apart(&turned, &placed) < 6, "{form}: {} pixels", apart(&turned, &placed));
+        assert!(apart(&turned, &still) > 40, "{form}: {} pixels", apart(&turned, &still));
     }
 }
 

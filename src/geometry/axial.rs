@@ -69,14 +69,15 @@ impl Axial {
         DVec3::new((y + z).sqrt(), (x + z).sqrt(), (x + y).sqrt())
     }
 
-    /// The space that this one is carried to by a map that keeps angles.
+    /// The space that this one is carried to by a map that keeps angles: with the other hand where the map mirrors.
     pub(super) fn carried(&self, map: &Transform) -> Option<Self> {
         let matrix = map.world_from_object().matrix3.as_dmat3();
         let shift = Vec3::from(map.world_from_object().translation).as_dvec3();
         let z = (matrix * self.axis()).try_normalize()?;
         let x = (matrix * self.directions.x_axis).reject_from_normalized(z).try_normalize()?;
+        let y = z.cross(x) * (matrix.determinant() * self.directions.determinant()).signum();
         let origin = matrix * self.origin + shift;
-        origin.is_finite().then_some(Self { origin, directions: DMat3::from_cols(x, z.cross(x), z) })
+        origin.is_finite().then_some(Self { origin, directions: DMat3::from_cols(x, y, z) })
     }
 
     /// The ray in this space; `None` where it begins too far away for its parameters to count.

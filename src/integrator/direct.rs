@@ -89,7 +89,9 @@ fn from_light<A: Accel>(
         return Rgb::BLACK;
     }
     let Some(ray) = towards(stage, receiver, light, (&sample, below), counters) else { return Rgb::BLACK };
-    let straight = !diffuse.is_black() && stage.scene.uses(Capability::GlassShadows);
+    // Through glass the rays of glossy lobes find their own, bent way to lights that they can meet.
+    let passing = if light.is_delta() { diffuse + glossy } else { diffuse };
+    let straight = !passing.is_black() && stage.scene.uses(Capability::GlassShadows);
     let mut unhindered = diffuse + glossy;
     let media = receiver.media[usize::from(below)];
     if stage.scene.uses(Capability::Absorption) {
@@ -106,8 +108,7 @@ fn from_light<A: Accel>(
         return if stage.accel.occluded(&ray) { Rgb::BLACK } else { unhindered };
     }
     let seen = visibility(stage, (&ray, media), light, &sample, counters);
-    // Through glass the rays of glossy lobes find their own, bent way.
-    if seen.clear { unhindered } else { diffuse * seen.through }
+    if seen.clear { unhindered } else { passing * seen.through }
 }
 
 /// What diffuse and glossy lobes make of a light's sample on one side, were nothing in between.

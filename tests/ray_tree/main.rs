@@ -273,8 +273,12 @@ fn overlapping_media_show_the_faces_of_the_stronger_one() {
 }
 
 /// Light that goes straight through clear bodies to matt surfaces, straight on: intensity 1 at z = `light`, white walls at z = `wall`.
-fn pool(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> Scene {
-    scene_of(&format!(
+fn pool(bodies: &str, places: [f32; 2], sigma: f32) -> Scene {
+    scene_of(&pool_text(bodies, places, sigma))
+}
+
+fn pool_text(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> String {
+    format!(
         r#"
         [camera]
         from = [0.0, 0.0, 5.0]
@@ -303,7 +307,7 @@ fn pool(bodies: &str, [wall, light]: [f32; 2], sigma: f32) -> Scene {
         intensity = 1.0
         {bodies}
         "#
-    ))
+    )
 }
 
 fn body(material: &str, [low, high]: [f32; 2]) -> String {
@@ -329,6 +333,22 @@ fn straight_light_is_absorbed_wherever_it_is_in_a_medium() {
         assert!(clear > 1e-3, "{what}: {clear}");
         assert!((tinted / clear / expected - 1.0).abs() < 2e-3, "{what}: {} for {expected}", tinted / clear);
     }
+}
+
+/// No ray meets a light without a size, so that nothing else shows its highlight.
+#[test]
+fn highlights_of_points_are_seen_through_glass() {
+    let metal = "type = \"conductor\"\n        metal = \"Ag\"\n        alpha = 0.3";
+    let seen = |bodies: &str| {
+        let text = pool_text(bodies, [-1.0, 3.0], 0.0);
+        let scene = scene_of(&text.replace("type = \"diffuse\"\n        reflectance = 1.0", metal));
+        trace(&scene, whitted(8, 1e-9), Ray::new(Vec3::Z * 5.0, -Vec3::Z), 0).0.color.g
+    };
+    let (clear, behind) = (seen(""), seen(&body("glass", [0.0, 1.0])));
+    // There by two faces, and back by those and what goes to and fro between them.
+    let (face, there_and_back) = (0.04_f32, behind / clear);
+    let expected = (1.0 - face).powi(2) * (1.0 - face) / (1.0 + face);
+    assert!(clear > 0.1 && (there_and_back / expected - 1.0).abs() < 0.01, "{clear}, {behind}: {expected}");
 }
 
 #[test]

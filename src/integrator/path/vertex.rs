@@ -9,7 +9,7 @@ use super::surfaces::Surfaces;
 use super::wave::{Guarded, Guards, Paths, Slots, Wave};
 use crate::accel::{Coherence, Packet};
 use crate::bsdf::choice::{Question, Step};
-use crate::geometry::{PlacementId, spawn};
+use crate::geometry::{Interaction, PlacementId, spawn};
 use crate::integrator::cone::{Beam, Cone};
 use crate::integrator::shading::{Lifted, Shading, lifted};
 use crate::integrator::{Counters, relief};
@@ -289,7 +289,8 @@ fn tangents<S: Isa, const N: usize>(
     let mut rows = [[0.0; WIDEST]; 3];
     for lane in Bits(met.hit.bits()) {
         let material = &scene.materials[met.materials.extract(lane) as usize];
-        if let Some(tangent) = tangent_of(scene, packet, lane, material) {
+        let ns = around.surfaces.reliefs.then(|| met.points.ns.extract(lane).into());
+        if let Some(tangent) = tangent_of(scene, (packet, lane), material, ns) {
             [rows[0][lane], rows[1][lane], rows[2][lane]] = tangent.to_array();
         }
     }
@@ -328,13 +329,14 @@ fn relief_of<const N: usize>(
 #[inline(never)]
 fn tangent_of<const N: usize>(
     scene: &Scene,
-    packet: &Packet<N>,
-    lane: usize,
+    (packet, lane): (&Packet<N>, usize),
     material: &Material,
+    relieved: Option<glam::Vec3>,
 ) -> Option<glam::Vec3> {
     material.scattering.turn()?;
     let it = scene.world.interaction(&packet.ray.get(lane), &packet.get_hit(lane)?);
-    crate::integrator::tangent(scene, &it, material)
+    let ns = relieved.unwrap_or(it.ns);
+    crate::integrator::tangent(scene, &Interaction { ns, ..it }, material)
 }
 
 /// Where the lanes are.

@@ -11,9 +11,9 @@ use crate::scene::needs::capability::Capability;
 impl Builder {
     /// Drops surface parameters and shading normals that neither materials nor what is wanted reads.
     pub(super) fn drop_attributes(&mut self, wanted: &Wanted, render: &Render) {
-        let shows = |view| render.integrator == Integrator::View && render.view == view;
         let has = |aov| wanted.layout.has(aov);
-        let keeps_uvs = has(Aov::Uv) || shows(View::Uv) || wanted.forced.has(Capability::SurfaceParameters);
+        let keeps_uvs =
+            are_parameters_shown(wanted, render) || wanted.forced.has(Capability::SurfaceParameters);
         let keeps_normals = has(Aov::Normal)
             || has(Aov::GeometricNormal)
             || render.integrator == Integrator::View
@@ -39,6 +39,11 @@ impl Builder {
             }
         }
     }
+}
+
+/// Whether a picture shows surface parameters themselves.
+pub(super) fn are_parameters_shown(wanted: &Wanted, render: &Render) -> bool {
+    wanted.layout.has(Aov::Uv) || (render.integrator == Integrator::View && render.view == View::Uv)
 }
 
 /// Whether the normals of all corners are on the outside of their triangles, so that without them outside is where it was.

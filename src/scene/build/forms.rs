@@ -53,6 +53,15 @@ pub(super) fn moved(shape: &Shape, map: &Affine3A) -> Option<Shape> {
     })
 }
 
+/// Whether the moved shape has the surface parameters of the shape itself: those of spheres and discs run about axes of the world.
+pub(super) fn keeps_parameters(shape: &Shape, map: &Affine3A) -> bool {
+    let m = &map.matrix3;
+    let aside = [m.x_axis.y, m.x_axis.z, m.y_axis.x, m.y_axis.z, m.z_axis.x, m.z_axis.y];
+    let is_turned = aside.iter().any(|x| x.abs() > 0.0);
+    let is_mirrored = m.x_axis.x.min(m.y_axis.y).min(m.z_axis.z) <= 0.0;
+    !matches!(shape, Shape::Sphere(_) | Shape::Disc(_)) || !(is_turned || is_mirrored)
+}
+
 /// The factor by which a map scales all lengths alike.
 fn uniform_scale(map: &Affine3A) -> Option<f32> {
     let m = &map.matrix3;

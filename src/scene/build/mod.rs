@@ -93,8 +93,18 @@ pub fn build_from(
     let origin = Origin::of(&description.camera);
     let jitters = description.render.glossy == FuzzyBy::Jitter;
     let (prunes, library, trust) = (wanted.prunes, library.clone(), trust.clone());
-    let mut builder =
-        Builder { library, trust, shutter, origin, fresnel, jitters, prunes, ..Builder::default() };
+    let shows_parameters = attributes::are_parameters_shown(wanted, &description.render);
+    let mut builder = Builder {
+        library,
+        trust,
+        shutter,
+        origin,
+        fresnel,
+        jitters,
+        prunes,
+        shows_parameters,
+        ..Builder::default()
+    };
     let referenced = prunes.then(|| pruning::referenced(description));
     builder.add_materials(&description.materials, referenced.as_ref());
     builder.add_shapes(&description.shapes);
@@ -170,6 +180,8 @@ struct Builder {
     warnings: Vec<Problem>,
     /// Whether what has no effect is left out.
     prunes: bool,
+    /// Whether surface parameters are shown themselves.
+    shows_parameters: bool,
     pruned: Vec<Pruned>,
     /// Warnings of pictures that were not read.
     unread: Vec<Problem>,

@@ -107,6 +107,7 @@ impl Builder {
         }
         if !is_prototype
             && let Placed::Still(map) = placed
+            && (!self.reads_parameters(&materials) || forms::keeps_parameters(&shape, &map))
             && let Some(moved) = forms::moved(&shape, &map)
         {
             let id = self.world.add_shape(moved);
@@ -118,6 +119,11 @@ impl Builder {
         let placement = self.place(id, placed, materials.clone(), &described.place);
         self.light_up(placement, &described.place);
         Some(Prototype { shape: id, materials, way })
+    }
+
+    /// Whether it matters where surface parameters of a surface of these materials run.
+    fn reads_parameters(&self, materials: &[MaterialId]) -> bool {
+        self.shows_parameters || materials.iter().any(|id| self.materials[id.index()].reads_parameters())
     }
 
     fn add_instance(
