@@ -3,7 +3,7 @@
 //! A file that is missing or cannot be read is warned of, with the place that names it, and the surface is as if the key were not there: flat,
 //! whole, polished, dark. Only its colour is a gray of its own, lest the lack go unseen.
 
-use crate::error::{Error, Problem};
+use crate::error::{Error, Place, Problem};
 use crate::image::read_raster_within;
 use crate::material::Material;
 use crate::math::Rgb;
@@ -131,7 +131,8 @@ impl Builder {
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
             if self.textures.of_mtl {
-                return Some(Relief::Normals(NormalMap { map, strength: 1.0, flip_y: false }));
+                let strength = self.lean(strength, &file.place);
+                return Some(Relief::Normals(NormalMap { map, strength, flip_y: false }));
             }
             let what = format!("`{}` looks like a picture of normals, not of heights", file.value.display());
             let remedy = "name it `normal_map`, or say which `channel` has the heights";
@@ -139,6 +140,16 @@ impl Builder {
         }
         let height = height.map_or(Height::Texels(strength), Height::Metres);
         Some(Relief::Heights(Heights { map, channel: channel.unwrap_or(SHADE), height }))
+    }
+
+    /// What `-bm` multiplies the lean of normals by, as for `norm`: numbers that no normal map has are ignored.
+    fn lean(&mut self, strength: f32, place: &Place) -> f32 {
+        if (0.0..=100.0).contains(&strength) {
+            return strength;
+        }
+        let what = format!("`-bm` of {strength} is ignored, since the picture is one of normals");
+        self.warnings.push(Problem::at(place.clone(), what).remedy("give it numbers from 0 to 100"));
+        1.0
     }
 
     fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
