@@ -175,9 +175,20 @@ fn mtl_files_bring_heights_and_normals_by_the_same_name() {
         .replace(UPRIGHT, "")
         .replace("        material = \"m\"\n", "");
     let steep = 20.0 * (2.0_f32 / 64.0 * 2.0 / 8.0).sqrt() * 2.0 / 255.0 * 32.0;
-    for (map, n) in [("-bm 20 slope.png", glam::Vec3::new(-steep, 0.0, 1.0)), ("lean.png", leaning())] {
+    let n = leaning();
+    let cases = [
+        ("-bm 20 slope.png", glam::Vec3::new(-steep, 0.0, 1.0), 0),
+        ("lean.png", n, 0),
+        ("-bm 0.3 lean.png", glam::Vec3::new(0.3 * n.x, 0.3 * n.y, n.z), 0),
+        // Of heights it would be their other side.
+        ("-bm -0.3 lean.png", n, 1),
+    ];
+    for (map, n, ignored) in cases {
         folder.write("bumpy.mtl", &format!("newmtl m\nKd 0.5 0.5 0.5\nmap_Bump {map}\n"));
-        let found = value(&picture(&folder.scene(&text)));
+        let built = folder.load(&text).expect("a scene");
+        let found = value(&picture(&built.scene));
         assert!((found - expected(n)).abs() < 1e-4, "{map}: {found}, not {}", expected(n));
+        let told = built.warnings.iter().filter(|it| it.what.contains("`-bm` of -0.3 is ignored")).count();
+        assert_eq!(told, ignored, "{map}: {:?}", built.warnings);
     }
 }

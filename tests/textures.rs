@@ -39,6 +39,7 @@ fn bitmaps(width: u32, height: u32) -> Vec<(&'static str, Bitmap)> {
             encoded: space == Space::Srgb,
             has_alpha: true,
             warnings: vec![],
+            as_colour: vec![],
         };
         Bitmap::new(&raster, space)
     };
@@ -58,7 +59,15 @@ fn mapped(bitmap: Bitmap, wrap: Wrap) -> Mapped {
 /// A picture of four texels: red and green above blue and white.
 fn four() -> Bitmap {
     let pixels = Pixels::Bytes(vec![[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255; 4]]);
-    let raster = Raster { width: 2, height: 2, pixels, encoded: true, has_alpha: false, warnings: vec![] };
+    let raster = Raster {
+        width: 2,
+        height: 2,
+        pixels,
+        encoded: true,
+        has_alpha: false,
+        warnings: vec![],
+        as_colour: vec![],
+    };
     Bitmap::new(&raster, Space::Srgb)
 }
 
@@ -104,7 +113,15 @@ fn beyond_the_edges_all_is_as_the_wrap_mode_says() {
     let value = |x: i64, y: i64| ((x * 5 + y * 11) % 13) as f32;
     let values = (0..28).map(|i| [value(i % width, i / width), 0.0, 0.0, 1.0]).collect();
     let pixels = Pixels::Floats { values, half: false };
-    let raster = Raster { width: 7, height: 4, pixels, encoded: false, has_alpha: false, warnings: vec![] };
+    let raster = Raster {
+        width: 7,
+        height: 4,
+        pixels,
+        encoded: false,
+        has_alpha: false,
+        warnings: vec![],
+        as_colour: vec![],
+    };
     let bitmap = Bitmap::new(&raster, Space::Linear);
     let mut random = Random::new(2);
     for wrap in WRAPS {
@@ -466,6 +483,69 @@ fn all_kinds_of_files_are_read() {
             assert!(close(found, Rgb::new(r, g, b), tolerance), "{name}, {way}: {found:?} for {light:?}");
         }
     }
+}
+
+/// A file that holds all of a picture of four by four shades, or a part of it: its four inner pixels are light, the others black.
+fn inner(folder: &Folder, name: &str, window: Window) {
+    let light = Window { x0: 1, y0: 1, x1: 3, y1: 3 };
+    let pixels = (window.y0..window.y1).flat_map(|y| (window.x0..window.x1).map(move |x| (x, y)));
+    let values: Vec<f32> = pixels.map(|(x, y)| if light.contains(x, y) { 0.8 } else { 0.0 }).collect();
+    let channel = |name: &str| Layer { name: name.to_owned(), samples: Samples::Float(values.clone()) };
+    let channels = ["R", "G", "B"].map(channel).into();
+    let picture = Picture { full: [4, 4], window, channels, attributes: Vec::new(), warnings: Vec::new() };
+    exr::write(&folder.path().join(name), picture).expect("written");
+}
+
+#[test]
+fn a_file_that_holds_a_part_of_a_picture_shows_it_where_it_lies() {
+    let folder = Folder::new();
+    inner(&folder, "whole.exr", Window::whole(4, 4));
+    inner(&folder, "part.exr", Window { x0: 1, y0: 1, x1: 3, y1: 3 });
+    let matt = "type = \"diffuse\"\nreflectance = 0.5";
+    let hill = "[[shapes]]\ntype = \"height_field\"\nfile = \"whole.exr\"\nmaterial = \"m\"";
+    let scenes = [
+        ("a texture", square(WAYS[1], "type = \"diffuse\"\nreflectance = { file = \"whole.exr\" }")),
+        ("a sky", square(WAYS[1], matt).replace("radiance = 1.0", "file = \"whole.exr\"")),
+        ("heights", folder::frontal(WAYS[1], &format!("[materials.m]\n{matt}\n{hill}"))),
+    ];
+    for (name, text) in scenes {
+        let shown = |file| picture(&folder.scene(&text.replace("whole.exr", file)));
+        assert!(shown("part.exr") == shown("whole.exr"), "{name}");
+    }
+}
+
+#[test]
+fn primaries_are_told_of_colours_alone_and_once() {
+    let folder = Folder::new();
+    let path = folder.path().join("wide.exr");
+    inner(&folder, "wide.exr", Window::whole(4, 4));
+    let mut bytes = std::fs::read(&path).expect("there");
+    // Eight numbers follow the name of the attribute, its type and its size.
+    let name = b"chromaticities\0chromaticities\0";
+    let start = bytes.windows(name.len()).position(|w| w == name).expect("there") + name.len() + 4;
+    bytes[start..start + 4].copy_from_slice(&0.708_f32.to_le_bytes());
+    std::fs::write(&path, bytes).expect("written");
+    let cases = [
+        ("type = \"diffuse\"\nreflectance = { file = \"wide.exr\" }", 1),
+        ("type = \"diffuse\"\nreflectance = 0.5\nemission = { file = \"wide.exr\" }", 1),
+        ("type = \"diffuse\"\nreflectance = 0.5\nnormal_map = { file = \"wide.exr\" }", 0),
+        ("type = \"diffuse\"\nreflectance = 0.5\nbump = { file = \"wide.exr\" }", 0),
+        ("type = \"diffuse\"\nreflectance = 0.5\nopacity = { file = \"wide.exr\" }", 0),
+        // In two spaces, and for normals.
+        (
+            "type = \"diffuse\"\nreflectance = { file = \"wide.exr\" }\nnormal_map = { file = \"wide.exr\" }\n\
+             emission = { file = \"wide.exr\", space = \"srgb\" }",
+            1,
+        ),
+    ];
+    for (material, wanted) in cases {
+        let warnings = folder.load(&square(WAYS[0], material)).expect("a scene").warnings;
+        let told = warnings.iter().filter(|it| it.what.contains("chromaticities")).count();
+        assert_eq!(told, wanted, "{material}: {warnings:?}");
+    }
+    let sky = square(WAYS[0], "type = \"mirror\"").replace("radiance = 1.0", "file = \"wide.exr\"");
+    let warnings = folder.load(&sky).expect("a scene").warnings;
+    assert!(warnings.iter().any(|it| it.what.contains("chromaticities")), "{warnings:?}");
 }
 
 /// A square that shines by a picture, seen from the front, and a white floor below it that only it lights.

@@ -143,6 +143,13 @@ impl Aov {
         }
     }
 
+    /// Whether 16-bit floats are enough for it, as they are for light, fractions and directions, but not for lengths, places, variances,
+    /// counts and names.
+    pub fn fits_half(self) -> bool {
+        let is_light = matches!(self, Self::Beauty | Self::Direct | Self::Indirect);
+        is_light || self.is_fraction() || matches!(self, Self::Normal | Self::GeometricNormal)
+    }
+
     /// Whether it is of what camera rays see, and not of light.
     pub fn is_feature(self) -> bool {
         let is_surface = matches!(self, Self::Albedo | Self::Normal | Self::GeometricNormal);

@@ -44,7 +44,7 @@ impl Names {
     }
 }
 
-/// How an EXR file stores colour.
+/// How an EXR file stores colour, coverage and normals; of other outputs numbers of things are integers, all else 32-bit floats.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Precision {
     /// 16-bit floats: half the size, eleven bits.
@@ -261,10 +261,10 @@ impl Film {
         image
     }
 
-    /// All that is kept, for an EXR file with that metadata. Numbers of things are integers, mattes 32-bit floats in any case.
+    /// All that is kept, for an EXR file with that metadata.
     pub fn picture(&self, precision: Precision, attributes: Vec<(String, String)>) -> Picture {
         let samples = |aov: Aov, values: Vec<f32>| match precision {
-            Precision::Half if aov.matte_layer().is_none() => Samples::Half(values),
+            Precision::Half if aov.fits_half() => Samples::Half(values),
             _ => Samples::Float(values),
         };
         let channels = self.sums.layout.aovs().iter().flat_map(|&aov| {

@@ -181,3 +181,36 @@ fn a_picture_has_the_channels_of_the_layout() {
     assert!(matches!(picture.channel("R"), Some(Samples::Half(values)) if values.len() == 16), "halves");
     assert_eq!((picture.full, picture.window.x0), ([37, 23], 1), "windows");
 }
+
+#[test]
+fn halves_are_for_colour_coverage_and_normals_alone() {
+    let film = Film::new([1, 1], Window::whole(1, 1), Layout::with(Aov::ALL));
+    let picture = film.picture(Precision::Half, vec![]);
+    for aov in Aov::ALL {
+        let wanted = match aov {
+            Aov::Beauty
+            | Aov::Alpha
+            | Aov::Direct
+            | Aov::Indirect
+            | Aov::Albedo
+            | Aov::Normal
+            | Aov::GeometricNormal => "half",
+            Aov::Depth
+            | Aov::Position
+            | Aov::Uv
+            | Aov::Variance
+            | Aov::Samples
+            | Aov::CryptoObject
+            | Aov::CryptoMaterial => "float",
+            Aov::ObjectId | Aov::MaterialId => "integer",
+        };
+        for name in aov.channels() {
+            let found = match picture.channel(name).expect("kept") {
+                Samples::Half(_) => "half",
+                Samples::Float(_) => "float",
+                Samples::Uint(_) => "integer",
+            };
+            assert_eq!(found, wanted, "{name}");
+        }
+    }
+}

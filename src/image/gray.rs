@@ -15,7 +15,7 @@ pub struct Gray {
     /// Rows.
     pub height: u32,
     /// From 0 for black to 1 for white in a PNG, whose numbers are taken as they are, without a tone curve; any number in
-    /// EXR and HDR files, those of an EXR not even checked to be finite.
+    /// EXR and HDR files, those of an EXR not even checked to be finite, and zero where its display window has no data.
     pub values: Vec<f32>,
 }
 
@@ -37,7 +37,7 @@ pub fn read_gray_within(path: &Path, trust: &Trust) -> Result<Gray> {
 pub fn decode_gray(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Gray> {
     let (width, height, values): Numbers = match known(path, &KINDS)? {
         "png" => from_png(bytes, path, limits)?,
-        "exr" => from_exr(exr::decode(bytes, path, limits)?),
+        "exr" => from_exr(exr::decode_shown(bytes, path, limits)?.0),
         _ => {
             let image = hdr::decode(bytes, path, limits)?.image;
             let values = image.pixels().iter().map(|p| gray([p.r, p.g, p.b])).collect();

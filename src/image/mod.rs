@@ -95,6 +95,19 @@ pub fn read_within(path: &Path, trust: &Trust) -> Result<Decoded> {
     decode(&trust.read(path, files::UNREAD)?, path, &trust.limits)
 }
 
+/// The same as the display window of an `.exr` file shows it: black where there are no data, and without those that lie beyond.
+pub fn read_shown_within(path: &Path, trust: &Trust) -> Result<Decoded> {
+    let kind = known(path, &["exr", "hdr"])?;
+    let bytes = trust.read(path, files::UNREAD)?;
+    if kind != "exr" {
+        return hdr::decode(&bytes, path, &trust.limits);
+    }
+    let (picture, as_colour) = exr::decode_shown(&bytes, path, &trust.limits)?;
+    let mut decoded = picture.into_decoded(path)?;
+    decoded.warnings.extend(as_colour);
+    Ok(decoded)
+}
+
 /// The colour picture in the bytes of an `.exr` or `.hdr` file; `name` tells which, and is for messages.
 pub fn decode(bytes: &[u8], name: &Path, limits: &Limits) -> Result<Decoded> {
     match known(name, &["exr", "hdr"])? {

@@ -30,6 +30,8 @@ pub struct Raster {
     pub has_alpha: bool,
     /// What was odd about the file.
     pub warnings: Vec<Problem>,
+    /// What is odd besides where its numbers are taken for colour, and not for heights, normals or the like.
+    pub as_colour: Vec<Problem>,
 }
 
 /// Pixels, one after the other.
@@ -49,7 +51,8 @@ pub enum Pixels {
 }
 
 /// The picture in a `.png`, `.jpg`, `.exr` or `.hdr` file, within the usual limits. Gamma and colour profiles in it are not applied; an odd
-/// gamma is told.
+/// gamma, and other primaries than those of Rec.709, are told. Of an `.exr` file it is what the display window shows: zero where there are
+/// no data.
 pub fn read_raster(path: &Path) -> Result<Raster> {
     read_raster_within(path, &Trust::default())
 }
@@ -66,9 +69,9 @@ pub fn decode_raster(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Raste
         "png" => png::decoded(bytes, path, limits).map(|(picture, warnings)| from_display(picture, warnings)),
         "jpg" | "jpeg" => from_jpeg(bytes, path, limits).map(|picture| from_display(picture, vec![])),
         "exr" => {
-            let picture = exr::decode(bytes, path, limits)?;
+            let (picture, as_colour) = exr::decode_shown(bytes, path, limits)?;
             let half = picture.channels.iter().all(|channel| matches!(channel.samples, Samples::Half(_)));
-            Ok(from_light(picture.into_decoded(path)?, half))
+            Ok(Raster { as_colour, ..from_light(picture.into_decoded(path)?, half) })
         }
         _ => {
             let decoded = hdr::decode(bytes, path, limits)?;
@@ -86,7 +89,8 @@ fn from_light(decoded: Decoded, half: bool) -> Raster {
     let values = image.pixels().iter().enumerate().map(|(i, p)| [p.r, p.g, p.b, coverage(i)]).collect();
     let (width, height) = (image.width(), image.height());
     let pixels = Pixels::Floats { values, half };
-    Raster { width, height, pixels, encoded: false, has_alpha: alpha.is_some(), warnings }
+    let has_alpha = alpha.is_some();
+    Raster { width, height, pixels, encoded: false, has_alpha, warnings, as_colour: vec![] }
 }
 
 /// Most pixels that one byte of a JPEG file can hold: blocks of 64 take a bit each at least, and twice that to be safe.
@@ -117,7 +121,7 @@ fn from_display(picture: DynamicImage, warnings: Vec<Problem>) -> Raster {
             Pixels::Floats { values, half: false }
         }
     };
-    Raster { width, height, pixels, encoded: true, has_alpha, warnings }
+    Raster { width, height, pixels, encoded: true, has_alpha, warnings, as_colour: vec![] }
 }
 
 #[cfg(test)]

@@ -370,7 +370,15 @@ mod tests {
     fn bytes(width: u32, height: u32, space: Space, texel: impl Fn(u32, u32) -> [u8; 4]) -> Bitmap {
         let pixels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y));
         let pixels = Pixels::Bytes(pixels.collect());
-        let raster = Raster { width, height, pixels, encoded: true, has_alpha: true, warnings: vec![] };
+        let raster = Raster {
+            width,
+            height,
+            pixels,
+            encoded: true,
+            has_alpha: true,
+            warnings: vec![],
+            as_colour: vec![],
+        };
         Bitmap::new(&raster, space)
     }
 
@@ -405,8 +413,15 @@ mod tests {
             let mean = values.iter().map(|v| v[0]).sum::<f32>() / size(values.len());
             for half in [false, true] {
                 let pixels = Pixels::Floats { values: values.clone(), half };
-                let raster =
-                    Raster { width, height, pixels, encoded: false, has_alpha: true, warnings: vec![] };
+                let raster = Raster {
+                    width,
+                    height,
+                    pixels,
+                    encoded: false,
+                    has_alpha: true,
+                    warnings: vec![],
+                    as_colour: vec![],
+                };
                 let map = Bitmap::new(&raster, Space::Linear);
                 let tolerance = if half { 1e-2 } else { 1e-5 };
                 for level in 0..map.levels() {
@@ -440,8 +455,15 @@ mod tests {
     #[test]
     fn memory_is_what_the_file_needs_and_a_third() {
         let gray = Pixels::Gray(vec![9; 64 * 64]);
-        let raster =
-            Raster { width: 64, height: 64, pixels: gray, encoded: true, has_alpha: false, warnings: vec![] };
+        let raster = Raster {
+            width: 64,
+            height: 64,
+            pixels: gray,
+            encoded: true,
+            has_alpha: false,
+            warnings: vec![],
+            as_colour: vec![],
+        };
         let gray = Bitmap::new(&raster, Space::Srgb);
         assert!((4096 + 1365..4096 + 1365 + 8).contains(&gray.bytes()), "{}", gray.bytes());
         assert_eq!(gray.texel::<f32>(gray.starts[6]), gray.texel::<f32>(5), "the last level");

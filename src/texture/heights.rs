@@ -74,6 +74,7 @@ mod tests {
             encoded: false,
             has_alpha: false,
             warnings: vec![],
+            as_colour: vec![],
         };
         let bitmap = Arc::new(Bitmap::new(&raster, Space::Linear));
         let map = Mapped { bitmap, wrap: Wrap::Clamp, repeat: Vec2::ONE, offset: Vec2::ZERO };

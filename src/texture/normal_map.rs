@@ -42,8 +42,15 @@ mod tests {
     #[test]
     fn where_the_picture_is_mirrored_so_are_its_normals() {
         let pixels = Pixels::Floats { values: vec![[0.8, 0.6, 0.9, 1.0]], half: false };
-        let raster =
-            Raster { width: 1, height: 1, pixels, encoded: false, has_alpha: false, warnings: vec![] };
+        let raster = Raster {
+            width: 1,
+            height: 1,
+            pixels,
+            encoded: false,
+            has_alpha: false,
+            warnings: vec![],
+            as_colour: vec![],
+        };
         let bitmap = Arc::new(Bitmap::new(&raster, Space::Linear));
         let at = |wrap, uv: [f32; 2]| {
             let map =

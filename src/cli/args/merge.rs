@@ -22,7 +22,7 @@ pub struct MergeArgs {
     #[arg(long, value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
     pub crop: Option<String>,
 
-    /// Store colour in EXR files as 16-bit floats
+    /// Store colour, coverage and normals in EXR files as 16-bit floats; other outputs keep all digits
     #[arg(long)]
     pub half: bool,
 

@@ -176,7 +176,7 @@ pub struct RenderArgs {
     #[arg(short, long, value_name = "N", allow_negative_numbers = true)]
     pub threads: Option<String>,
 
-    /// Store colour in EXR files as 16-bit floats
+    /// Store colour, coverage and normals in EXR files as 16-bit floats; other outputs keep all digits
     #[arg(long)]
     pub half: bool,
 

@@ -20,7 +20,7 @@ pub(in crate::cli) struct FarmOptions {
     pub(in crate::cli) outputs: Vec<PathBuf>,
     /// Where the merge is to put its statistics.
     pub(in crate::cli) stats: Option<PathBuf>,
-    /// Whether pictures are stored as 16-bit floats.
+    /// Whether colour, coverage and normals are stored as 16-bit floats.
     pub(in crate::cli) half: bool,
     /// Flags for every slice.
     pub(in crate::cli) words: Vec<OsString>,

@@ -5,11 +5,13 @@
 //! subsampled (luminance/chroma) pictures are refused; of several resolution levels the finest is read.
 //! Kainz, Bogart, Stanczyk, 2013, "Technical introduction to OpenEXR".
 
+mod display;
 mod read;
 mod write;
 
 use std::path::Path;
 
+pub(super) use read::decode_shown;
 pub use read::{ChannelInfo, attributes, channels, decode, read, read_within};
 pub use write::write;
 

@@ -6,12 +6,14 @@ use std::path::Path;
 
 use exr::image::read::read as reader;
 use exr::image::{AnyChannels, FlatSamples, Layer};
+use exr::math::Vec2;
 use exr::meta::MetaData;
-use exr::meta::attribute::{AttributeValue, IntegerBounds, SampleType};
+use exr::meta::attribute::{AttributeValue, Chromaticities, IntegerBounds, SampleType};
 use exr::meta::header::{Header, LayerAttributes};
 use exr::prelude::{ReadChannels as _, ReadLayers as _};
 
-use super::{Channel, Picture, Samples};
+use super::write::REC_709;
+use super::{Channel, Picture, Samples, display};
 use crate::error::{Error, Place, Problem, Result};
 use crate::image::buffer::check_size;
 use crate::image::{Window, files};
@@ -39,6 +41,31 @@ pub fn read_within(path: &Path, trust: &Trust) -> Result<Picture> {
 
 /// The same of the bytes of a file; `path` is for messages.
 pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
+    let Contents { mut picture, as_colour, .. } = contents(bytes, path, limits)?;
+    picture.warnings.extend(as_colour);
+    Ok(picture)
+}
+
+/// The same as its display window shows it, zero where there are no data; and what is odd about it where its numbers are taken for colour.
+pub(in crate::image) fn decode_shown(
+    bytes: &[u8],
+    path: &Path,
+    limits: &Limits,
+) -> Result<(Picture, Vec<Problem>)> {
+    let Contents { picture, display, as_colour } = contents(bytes, path, limits)?;
+    Ok((display::shown(picture, display, (path, limits))?, as_colour.into_iter().collect()))
+}
+
+/// What is in a file.
+struct Contents {
+    picture: Picture,
+    /// The display window in the whole picture.
+    display: Window,
+    /// What is odd where numbers are taken for colour.
+    as_colour: Option<Problem>,
+}
+
+fn contents(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Contents> {
     let claimed = check((bytes, path), &headers(path, Cursor::new(bytes))?, limits)?;
     let reader =
         reader().no_deep_data().largest_resolution_level().all_channels().all_layers().all_attributes();
@@ -49,7 +76,7 @@ pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
     let Some(first) = layers.next() else {
         return Err(Problem::at(Place::file(path), "there is no picture in it").into());
     };
-    let (full, window) = place(first.absolute_bounds(), file.attributes.display_window);
+    let (full, [window, display]) = place(first.absolute_bounds(), file.attributes.display_window);
     let mut attributes = texts(&first);
     attributes.sort();
     let bounds = first.absolute_bounds();
@@ -63,7 +90,9 @@ pub fn decode(bytes: &[u8], path: &Path, limits: &Limits) -> Result<Picture> {
             warnings.push(Problem::at(Place::file(path), what));
         }
     }
-    Ok(Picture { full, window, channels, attributes, warnings })
+    let as_colour = odd_primaries(path, file.attributes.chromaticities);
+    let picture = Picture { full, window, channels, attributes, warnings };
+    Ok(Contents { picture, display, as_colour })
 }
 
 /// What a file says of one channel.
@@ -126,29 +155,49 @@ fn check((bytes, path): (&[u8], &Path), headers: &[Header], limits: &Limits) -> 
         let pixel: u64 = channels.iter().map(|c| c.sample_type.bytes_per_sample() as u64).sum();
         claimed = claimed.saturating_add((width * height).saturating_mul(pixel));
     }
-    limits.check(Limit::Texels, claimed / BYTES_PER_TEXEL).map_err(|excess| {
-        let what = format!("its samples take {claimed} bytes, as many as four channels of {excess}");
-        Error::Refused(Problem::at(Place::file(path), what).remedy(excess.remedy()))
-    })?;
+    check_bytes(path, claimed, limits)?;
     if claimed / MAX_RATIO > bytes.len() as u64 {
         return refuse("its header claims more pixels than its bytes can hold", "write it again");
     }
     Ok(claimed)
 }
 
-/// Whole size and window of a data window in a display window. Data beyond the display window enlarge the whole; where
+/// Refuses samples that take more bytes than are allowed.
+pub(super) fn check_bytes(path: &Path, bytes: u64, limits: &Limits) -> Result<()> {
+    limits.check(Limit::Texels, bytes / BYTES_PER_TEXEL).map_err(|excess| {
+        let what = format!("its samples take {bytes} bytes, as many as four channels of {excess}");
+        Error::Refused(Problem::at(Place::file(path), what).remedy(excess.remedy()))
+    })
+}
+
+/// Whole size of a data window and a display window, and where both lie in it. Data beyond the display window enlarge the whole; where
 /// it starts elsewhere than at the origin everything moves along.
-fn place(data: IntegerBounds, display: IntegerBounds) -> ([u32; 2], Window) {
-    let axis = |data_start: i32, data_size: usize, display_start: i32, display_size: usize| {
-        let origin = i64::from(data_start.min(display_start));
-        let start = u32::try_from(i64::from(data_start) - origin).unwrap_or(u32::MAX);
-        let end = start.saturating_add(u32::try_from(data_size).unwrap_or(u32::MAX));
-        let display_end = i64::from(display_start) - origin + i64::try_from(display_size).unwrap_or(0);
-        (start, end, end.max(u32::try_from(display_end).unwrap_or(u32::MAX)))
+fn place(data: IntegerBounds, display: IntegerBounds) -> ([u32; 2], [Window; 2]) {
+    let axis = |starts: [i32; 2], sizes: [usize; 2]| {
+        let origin = i64::from(starts[0].min(starts[1]));
+        [0, 1].map(|i| {
+            let start = u32::try_from(i64::from(starts[i]) - origin).unwrap_or(u32::MAX);
+            (start, start.saturating_add(u32::try_from(sizes[i]).unwrap_or(u32::MAX)))
+        })
     };
-    let (x0, x1, width) = axis(data.position.0, data.size.0, display.position.0, display.size.0);
-    let (y0, y1, height) = axis(data.position.1, data.size.1, display.position.1, display.size.1);
-    ([width, height], Window { x0, y0, x1, y1 })
+    let xs = axis([data.position.0, display.position.0], [data.size.0, display.size.0]);
+    let ys = axis([data.position.1, display.position.1], [data.size.1, display.size.1]);
+    let windows = [0, 1].map(|i| Window { x0: xs[i].0, y0: ys[i].0, x1: xs[i].1, y1: ys[i].1 });
+    let [data, display] = windows;
+    ([data.x1.max(display.x1), data.y1.max(display.y1)], windows)
+}
+
+/// That the primaries or the white that a file states are not those of Rec.709.
+fn odd_primaries(path: &Path, stated: Option<Chromaticities>) -> Option<Problem> {
+    const TOLERANCE: f32 = 1e-3;
+    let of = |it: Chromaticities| [it.red, it.green, it.blue, it.white];
+    let near =
+        |(a, b): (Vec2<f32>, Vec2<f32>)| (a.0 - b.0).abs() <= TOLERANCE && (a.1 - b.1).abs() <= TOLERANCE;
+    let is_odd = !of(stated?).into_iter().zip(of(REC_709)).all(near);
+    is_odd.then(|| {
+        let what = "chromaticities other than those of Rec.709 in the file are not applied";
+        Problem::at(Place::file(path), what).remedy("convert it to linear Rec.709")
+    })
 }
 
 /// The channels of a part, with the part's name before theirs where `prefixed` and it has one.

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
-use crate::trust::Trust;
+use crate::image::{Pixels, Raster, decode_gray, decode_raster, read_shown_within};
+use crate::trust::{Limit, Limits, Trust};
 
 /// A crop of three by two pixels at (4, 5) of ten by eight, with a channel of each kind.
 fn small() -> Picture {
@@ -31,6 +32,20 @@ fn temporary() -> (tempfile::TempDir, PathBuf) {
     let dir = tempfile::tempdir().expect("a directory");
     let path = dir.path().join("a.exr");
     (dir, path)
+}
+
+/// Names and types of attributes that are numbers.
+const DATA: &[u8] = b"dataWindow\0box2i\0";
+const DISPLAY: &[u8] = b"displayWindow\0box2i\0";
+const CHROMATICITIES: &[u8] = b"chromaticities\0chromaticities\0";
+
+/// The same file with other numbers in an attribute: they follow its name, its type and its size.
+fn with<const N: usize>(file: &[u8], attribute: &[u8], numbers: [[u8; 4]; N]) -> Vec<u8> {
+    let mut file = file.to_vec();
+    let start = file.windows(attribute.len()).position(|w| w == attribute).expect("there");
+    let start = start + attribute.len() + 4;
+    file[start..start + 4 * N].copy_from_slice(numbers.as_flattened());
+    file
 }
 
 #[test]
@@ -135,13 +150,8 @@ fn a_few_bytes_that_claim_gigabytes_are_refused() {
     let mut picture = small();
     (picture.full, picture.window) = ([3, 2], Window::whole(3, 2));
     write(&path, picture).expect("written");
-    let mut bytes = fs::read(&path).expect("there");
-    // The data window is four little-endian integers after the attribute's name, type and size.
-    let name = b"dataWindow\0box2i\0";
-    let start = bytes.windows(name.len()).position(|w| w == name).expect("there") + name.len() + 4;
-    bytes[start + 8..start + 12].copy_from_slice(&16_000_i32.to_le_bytes());
-    bytes[start + 12..start + 16].copy_from_slice(&15_i32.to_le_bytes());
-    fs::write(&path, &bytes).expect("written");
+    let bytes = fs::read(&path).expect("there");
+    fs::write(&path, with(&bytes, DATA, [0_i32, 0, 16_000, 15].map(i32::to_le_bytes))).expect("written");
     let error = read(&path).expect_err("refused").to_string();
     assert!(error.contains("claims more pixels"), "{error}");
 }
@@ -159,4 +169,81 @@ fn layers_without_a_plain_colour_are_searched_in_order() {
     let none = Picture { channels: picture.channels[..2].to_vec(), ..picture };
     let error = none.into_decoded(Path::new("a.exr")).expect_err("none").to_string();
     assert!(error.contains("(Z, ViewLayer.Combined.R)"), "{error}");
+}
+
+#[test]
+fn textures_skies_and_heights_are_what_the_display_window_shows() {
+    type Case = ([i32; 4], [u32; 2], &'static [(usize, f32)]);
+    let (_dir, path) = temporary();
+    let channel = |name: &str, values| Channel { name: name.to_owned(), samples: Samples::Half(values) };
+    let channels = vec![channel("Y", vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0]), channel("A", vec![1.0; 6])];
+    write(&path, Picture { channels, ..small() }).expect("written");
+    let file = fs::read(&path).expect("there");
+    // Data of three by two pixels at (4, 5): within, without, partly beyond, and all apart. Windows have their last pixels in them.
+    let cases: [Case; 4] = [
+        ([0, 0, 9, 7], [10, 8], &[(54, 1.0), (55, 2.0), (56, 3.0), (64, 4.0), (65, 5.0), (66, 6.0)]),
+        ([5, 5, 5, 5], [1, 1], &[(0, 2.0)]),
+        ([5, 6, 12, 7], [8, 2], &[(0, 5.0), (1, 6.0)]),
+        ([-2, -3, 1, 1], [4, 5], &[]),
+    ];
+    for (display, [columns, rows], data) in cases {
+        let file = with(&file, DISPLAY, display.map(i32::to_le_bytes));
+        let mut wanted = vec![0.0; columns as usize * rows as usize];
+        data.iter().for_each(|&(at, value)| wanted[at] = value);
+        let gray = decode_gray(&file, &path, &Limits::default()).expect("heights");
+        assert_eq!(
+            ([gray.width, gray.height], gray.values),
+            ([columns, rows], wanted.clone()),
+            "{display:?}"
+        );
+        let raster = decode_raster(&file, &path, &Limits::default()).expect("a texture");
+        let covered = |&x: &f32| [x, x, x, if x > 0.0 { 1.0 } else { 0.0 }];
+        let values = wanted.iter().map(covered).collect();
+        let Raster { width, height, pixels, .. } = raster;
+        assert_eq!(([width, height], pixels), ([columns, rows], Pixels::Floats { values, half: true }));
+        fs::write(&path, &file).expect("written");
+        let sky = read_shown_within(&path, &Trust::default()).expect("a sky");
+        assert_eq!((sky.full, sky.window), ([columns, rows], Window::whole(columns, rows)), "{display:?}");
+        let wanted: Vec<_> = wanted.into_iter().map(Rgb::gray).collect();
+        assert_eq!(sky.image.pixels(), wanted, "{display:?}");
+    }
+    let limits = Limits::default().with(Limit::Texels, Some(79));
+    let error = decode_gray(&file, &path, &limits).expect_err("80 pixels").to_string();
+    assert!(error.contains("10 by 8 pixels is too large"), "{error}");
+    // The limit counts four channels of 32 bits to a pixel.
+    let limits = limits.with(Limit::Texels, Some(80));
+    let many = (0..17).map(|i| channel(&format!("c{i:02}"), vec![0.0; 6])).collect();
+    write(&path, Picture { channels: many, ..small() }).expect("written");
+    let file = fs::read(&path).expect("there");
+    assert!(decode(&file, &path, &limits).is_ok(), "as it is stored");
+    let error = decode_shown(&file, &path, &limits).map(drop).expect_err("170 of them").to_string();
+    assert!(error.contains("its samples take 2720 bytes"), "{error}");
+}
+
+#[test]
+fn other_primaries_are_told_where_numbers_are_colour() {
+    let (_dir, path) = temporary();
+    write(&path, small()).expect("written");
+    let file = fs::read(&path).expect("there");
+    let rec_709 = [0.64_f32, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290];
+    for i in 0..8 {
+        for (step, told) in [(0.0, 0), (9e-4, 0), (-9e-4, 0), (2e-3, 1), (-2e-3, 1), (f32::NAN, 1)] {
+            let mut numbers = rec_709;
+            numbers[i] += step;
+            let file = with(&file, CHROMATICITIES, numbers.map(f32::to_le_bytes));
+            fs::write(&path, &file).expect("written");
+            let warnings = [
+                crate::image::read(&path).expect("colour").warnings,
+                read_shown_within(&path, &Trust::default()).expect("a sky").warnings,
+                decode_raster(&file, &path, &Limits::default()).expect("a texture").as_colour,
+            ];
+            for warnings in warnings {
+                assert_eq!(warnings.len(), told, "{i}, {step}: {warnings:?}");
+                let is_odd = |it: &Problem| it.what.contains("chromaticities other than those of Rec.709");
+                assert!(warnings.iter().all(is_odd), "{warnings:?}");
+            }
+            let raster = decode_raster(&file, &path, &Limits::default()).expect("a texture");
+            assert_eq!(raster.warnings, [], "for normals");
+        }
+    }
 }

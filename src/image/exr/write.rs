@@ -53,7 +53,7 @@ pub fn write(path: &Path, picture: Picture) -> Result<Vec<Problem>> {
 }
 
 /// Primaries and white of ITU-R BT.709.
-const REC_709: Chromaticities = Chromaticities {
+pub(super) const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
     green: Vec2(0.30, 0.60),
     blue: Vec2(0.15, 0.06),

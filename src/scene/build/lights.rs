@@ -145,7 +145,7 @@ impl Builder {
                 let form = library::Form::Sky(scale.to_bits(), rotation.to_bits());
                 let (library, trust) = (self.library.clone(), &self.trust);
                 let sky = library.thing(&file.value, form, trust, || {
-                    let decoded = image::read_within(&file.value, trust)?;
+                    let decoded = image::read_shown_within(&file.value, trust)?;
                     let texels = decoded.image.pixels().len() as u64;
                     let map = EnvironmentMap::new(decoded.image, scale, rotation).map_err(|error| {
                         let what = format!("{}: cannot light a scene: {error}", file.value.display());

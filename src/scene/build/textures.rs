@@ -3,7 +3,7 @@
 //! A file that is missing or cannot be read is warned of, with the place that names it, and the surface is as if the key were not there: flat,
 //! whole, polished, dark. Only its colour is a gray of its own, lest the lack go unseen.
 
-use crate::error::{Error, Problem};
+use crate::error::{Error, Place, Problem};
 use crate::image::read_raster_within;
 use crate::material::Material;
 use crate::math::Rgb;
@@ -14,6 +14,7 @@ use crate::scene::load::files;
 use crate::texture::{Bitmap, Channel, Height, Heights, Mapped, NormalMap, Relief, Scalar, Space, Texture};
 use crate::trust::Limit;
 use std::collections::{HashMap, HashSet};
+use std::mem;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -24,6 +25,8 @@ pub(super) struct Textures {
     known: HashMap<(PathBuf, Option<Space>), Option<Arc<Bitmap>>>,
     /// In the order met.
     bitmaps: Vec<Arc<Bitmap>>,
+    /// What is odd about files where they colour something, until it has been told.
+    as_colour: HashMap<PathBuf, Vec<Problem>>,
     /// Whether those that are asked for are named by an MTL file, whose keywords are used loosely.
     pub(super) of_mtl: bool,
 }
@@ -72,10 +75,10 @@ impl Builder {
                 let &ImageTexture { ref file, space, factor, ref lie } = &**image;
                 let (fallback, without) =
                     if limit.is_finite() { (Rgb::gray(0.5), GRAY) } else { (Rgb::BLACK, DARK) };
-                match self.mapped(file, space, lie, without) {
-                    Some(map) => Texture::Image { map, factor, limit },
-                    None => Texture::Constant(fallback),
-                }
+                let map = self.mapped(file, space, lie, without);
+                let odd = self.textures.as_colour.get_mut(&canonical(&file.value)).map(mem::take);
+                self.warnings.extend(odd.into_iter().flatten());
+                map.map_or(Texture::Constant(fallback), |map| Texture::Image { map, factor, limit })
             }
         };
         // Light is drawn from in another way where it comes from a picture or a pattern.
@@ -131,7 +134,8 @@ impl Builder {
         let are_normals = b - r.max(g) > 0.2 && (r - 0.5).abs().max((g - 0.5).abs()) < 0.15;
         if are_normals && channel.is_none() {
             if self.textures.of_mtl {
-                return Some(Relief::Normals(NormalMap { map, strength: 1.0, flip_y: false }));
+                let strength = self.lean(strength, &file.place);
+                return Some(Relief::Normals(NormalMap { map, strength, flip_y: false }));
             }
             let what = format!("`{}` looks like a picture of normals, not of heights", file.value.display());
             let remedy = "name it `normal_map`, or say which `channel` has the heights";
@@ -139,6 +143,16 @@ impl Builder {
         }
         let height = height.map_or(Height::Texels(strength), Height::Metres);
         Some(Relief::Heights(Heights { map, channel: channel.unwrap_or(SHADE), height }))
+    }
+
+    /// What `-bm` multiplies the lean of normals by, as for `norm`: numbers that no normal map has are ignored.
+    fn lean(&mut self, strength: f32, place: &Place) -> f32 {
+        if (0.0..=100.0).contains(&strength) {
+            return strength;
+        }
+        let what = format!("`-bm` of {strength} is ignored, since the picture is one of normals");
+        self.warnings.push(Problem::at(place.clone(), what).remedy("give it numbers from 0 to 100"));
+        1.0
     }
 
     fn normal_map(&mut self, described: &description::NormalMap) -> Option<NormalMap> {
@@ -199,16 +213,19 @@ impl Builder {
             let bitmap = Bitmap::new(&raster, space.unwrap_or(own));
             let takes = (Limit::Texels, u64::from(raster.width) * u64::from(raster.height));
             let bytes = bitmap.bytes();
-            Ok(Made { bytes, thing: (Arc::new(bitmap), raster.warnings, takes.1), takes, more: vec![] })
+            let told = [raster.warnings, raster.as_colour];
+            Ok(Made { bytes, thing: (Arc::new(bitmap), told, takes.1), takes, more: vec![] })
         });
         match read {
             Ok(read) => {
-                let (bitmap, warnings, texels) = &*read;
+                let (bitmap, [warnings, as_colour], texels) = &*read;
                 self.taken.texels += texels;
                 if !self.may_take(Limit::Textures, self.taken.texels, &file.place) {
                     return None;
                 }
                 self.warnings.extend(warnings.iter().cloned());
+                let odd = self.textures.as_colour.entry(canonical(&file.value));
+                odd.or_insert_with(|| as_colour.clone());
                 Some(bitmap.clone())
             }
             // Right or wrong, it is not what the surface can do without.

@@ -45,7 +45,7 @@ record! {
         aov: Vec<Located<String>>;
         /// The only pixels to render: x0, y0, x1, y1, the upper ends excluded.
         crop: Option<Located<[u32; 4]>>, unit("pixels");
-        /// Whether colour in EXR files is stored as 16-bit floats; absent: not.
+        /// Whether colour, coverage and normals in EXR files are stored as 16-bit floats; absent: not. Other outputs keep all digits.
         half: Option<bool>;
         /// When a picture ends, whatever samples it has.
         time_limit_s: Option<f64>, unit("s"), above(0.0);
