@@ -349,6 +349,24 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     assert_eq!((status, count(&summary, "rendered"), count(&summary, "done_before")), (0, 1, 1), "{said}");
 }
 
+/// A socket is there, and nobody can open it.
+#[cfg(unix)]
+#[test]
+fn an_older_preview_does_not_pass_for_that_of_a_picture() {
+    let desk = desk();
+    write(&desk, "batch.toml", "[[jobs]]\nscene = 'still.toml'\noutputs = ['a.png', 'a.exr']\n");
+    let socket = std::os::unix::net::UnixListener::bind(desk.path("a.png")).expect("bound");
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "failed")), (1, 1), "{said}");
+    assert!(desk.path("a.exr").exists(), "the other file: {said}");
+    drop(socket);
+    std::fs::remove_file(desk.path("a.png")).expect("removed");
+    write(&desk, "a.png", "old");
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "rendered")), (0, 1), "{said}");
+    assert_ne!(read(&desk, "a.png"), b"old", "replaced");
+}
+
 #[test]
 fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     let desk = desk();

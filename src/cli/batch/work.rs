@@ -127,6 +127,7 @@ impl<'a> Whole<'a> {
         if self.options.dry_run {
             return Ok(Fate::Due(why));
         }
+        options.try_out()?;
         self.admit(self.estimate(task, loaded), &options.scene, (&mut bench.stage, &mut bench.pass))?;
         // Waiting is no part of the time that a picture may take.
         let begin = Instant::now();

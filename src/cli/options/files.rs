@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::values::on_command_line;
-use crate::error::{Place, Problem, Problems};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::image::{Format, atomic};
 
 /// A file to write.
@@ -44,6 +44,11 @@ pub(super) fn spare<'a>(
         let what = format!("`{}` is read and would be overwritten", target.display());
         problems.push(on_command_line(what).remedy("name another file to write"));
     }
+}
+
+/// Fails where no file can be made in the folder of one of these, before the work is done that they are to hold.
+pub(in crate::cli) fn try_out<'a>(targets: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    targets.into_iter().try_for_each(|target| atomic::try_out(target))
 }
 
 /// Files to write, each once.
