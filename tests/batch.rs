@@ -349,6 +349,23 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
     assert_eq!((status, count(&summary, "rendered"), count(&summary, "done_before")), (0, 1, 1), "{said}");
 }
 
+#[test]
+fn jobs_do_not_overwrite_what_their_scenes_read() {
+    let desk = desk();
+    let jobs = "[defaults]\nscene = 'still.toml'\n[[jobs]]\nname = 'paint'\n[[jobs]]\nname = 'inner'\noutputs = ['{name}.png', 'a.exr']\n[[jobs]]\nname = 'fine'\n";
+    write(&desk, "batch.toml", jobs);
+    let files = || ["paint.png", "inner.png"].map(|name| read(&desk, name));
+    let before = files();
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "failed"), count(&summary, "rendered")), (1, 2, 1), "{said}");
+    for name in ["paint", "inner"] {
+        let told = format!("{name}: `{name}.png` is read and would be overwritten; name another file");
+        assert!(said.contains(&told), "{told} in {said}");
+    }
+    assert!(files() == before, "untouched");
+    assert!(!desk.path("paint.exr").exists() && !desk.path("a.exr").exists(), "{:?}", desk.names());
+}
+
 /// A socket is there, and nobody can open it.
 #[cfg(unix)]
 #[test]

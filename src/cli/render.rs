@@ -40,6 +40,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         scene::load_within(&options.scene, &options.overrides, &options.trust)
     });
     let loaded = loaded?;
+    options.spare(&loaded.files)?;
     let count = options.frames.as_ref().map_or(1, |frames| frames.numbers().len());
     // One picture has nobody to keep files for.
     let library = Library::of_bytes(if count > 1 { memory::half_of_free() } else { 0 });
@@ -99,6 +100,7 @@ fn one(
     interrupt.check()?;
     options.try_out()?;
     let read = stage.load(order)?;
+    options.spare(&stage.frozen()?.files)?;
     let meter = Meter::new(quiet, "samples", interrupt.clone());
     let prediction = stage.settle(&mut options, order.start, &meter)?;
     let options = &options;
