@@ -350,6 +350,41 @@ fn a_job_that_fails_is_told_at_the_end_with_its_command_and_stops_no_other() {
 }
 
 #[test]
+fn jobs_do_not_overwrite_what_their_scenes_read() {
+    let desk = desk();
+    let jobs = "[defaults]\nscene = 'still.toml'\n[[jobs]]\nname = 'paint'\n[[jobs]]\nname = 'inner'\noutputs = ['{name}.png', 'a.exr']\n[[jobs]]\nname = 'fine'\n";
+    write(&desk, "batch.toml", jobs);
+    let files = || ["paint.png", "inner.png"].map(|name| read(&desk, name));
+    let before = files();
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "failed"), count(&summary, "rendered")), (1, 2, 1), "{said}");
+    for name in ["paint", "inner"] {
+        let told = format!("{name}: `{name}.png` is read and would be overwritten; name another file");
+        assert!(said.contains(&told), "{told} in {said}");
+    }
+    assert!(files() == before, "untouched");
+    assert!(!desk.path("paint.exr").exists() && !desk.path("a.exr").exists(), "{:?}", desk.names());
+}
+
+/// A socket is there, and nobody can open it.
+#[cfg(unix)]
+#[test]
+fn an_older_preview_does_not_pass_for_that_of_a_picture() {
+    let desk = desk();
+    write(&desk, "batch.toml", "[[jobs]]\nscene = 'still.toml'\noutputs = ['a.png', 'a.exr']\n");
+    let socket = std::os::unix::net::UnixListener::bind(desk.path("a.png")).expect("bound");
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "failed")), (1, 1), "{said}");
+    assert!(desk.path("a.exr").exists(), "the other file: {said}");
+    drop(socket);
+    std::fs::remove_file(desk.path("a.png")).expect("removed");
+    write(&desk, "a.png", "old");
+    let (status, summary, said) = batch(&desk, &["batch.toml"]);
+    assert_eq!((status, count(&summary, "rendered")), (0, 1), "{said}");
+    assert_ne!(read(&desk, "a.png"), b"old", "replaced");
+}
+
+#[test]
 fn a_wrong_batch_file_is_told_all_at_once_and_nothing_is_rendered() {
     let desk = desk();
     let jobs = "[[jobs]]\nscene = 'still.toml'\noutputs = ['a.exr', 'no/a.exr', 'b.jpg']\n[[jobs]]\nscene = 'still.toml'\nframes = '1..2'\noutputs = ['b.exr']\n[[jobs]]\nscene = 'model.toml'\noutputs = ['a.exr']\naov = ['detph']\ncrop = [4, 4, 4, 8]\n";

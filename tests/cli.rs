@@ -2,6 +2,8 @@
 
 #[path = "support/desk.rs"]
 mod desk;
+#[path = "support/models.rs"]
+mod models;
 #[cfg(unix)]
 #[path = "support/running.rs"]
 mod running;
@@ -553,6 +555,36 @@ fn nothing_that_is_read_is_overwritten_and_nothing_is_written_twice() {
         assert_eq!(fs::read(place.path("ball.toml")).expect("there"), BALL.as_bytes(), "{words:?}");
     }
     assert_eq!(place.names(), ["ball.toml"], "nothing was written");
+}
+
+/// Whatever the scene is made of, also what its files name, and by names that nobody gave.
+#[test]
+fn files_of_the_scene_are_not_overwritten() {
+    let desk = models::desk();
+    models::write(&desk, "paint.toml", &models::scene(""));
+    models::write(&desk, "outer.toml", "include = [\"still.toml\"]\n");
+    let all =
+        || desk.names().iter().map(|name| (name.clone(), models::read(&desk, name))).collect::<Vec<_>>();
+    let before = all();
+    let numbered = "materials.wall.reflectance={ file = 'paint.2.png' }";
+    let cases: [(&[&str], &str); 9] = [
+        (&["render", "paint.toml"], "paint.png"),
+        (&["render", "still.toml", "-o", "./paint.png"], "./paint.png"),
+        (&["render", "still.toml", "-o", "a.exr", "--stats", "model.obj"], "model.obj"),
+        (&["render", "still.toml", "-o", "a.exr", "--stats", "model.mtl"], "model.mtl"),
+        (&["render", "still.toml", "-o", "a.exr", "-o", "inner.png"], "inner.png"),
+        (&["render", "outer.toml", "-o", "a.exr", "--checkpoint", "still.toml", "--resume"], "still.toml"),
+        (&["render", "still.toml", "-D", numbered, "--frames", "1..2", "-o", "paint.#.png"], "paint.2.png"),
+        (&["farm", "slurm", "paint.toml"], "paint.png"),
+        (&["farm", "openjd", "still.toml", "-o", "inner.png"], "inner.png"),
+    ];
+    for (words, name) in cases {
+        let (status, stdout, stderr) = desk.run(words);
+        assert_eq!((status, stdout.as_str()), (2, ""), "{words:?}: {stderr}");
+        let told = format!("error: `{name}` is read and would be overwritten; name another file to write");
+        assert!(stderr.contains(&told), "{words:?}: {stderr}");
+        assert!(all() == before, "{words:?}: {:?}", desk.names());
+    }
 }
 
 #[test]

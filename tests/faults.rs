@@ -18,6 +18,9 @@ use running::{signal, spawn, wait_for};
 use serde_json::Value;
 use specula::image::exr;
 use std::fs::{self, File};
+use std::io::Read as _;
+use std::os::unix::fs::FileTypeExt as _;
+use std::os::unix::net::UnixListener;
 use std::process::Command;
 use std::time::{Duration, Instant, SystemTime};
 
@@ -55,7 +58,8 @@ fn disks_that_take_nothing_are_told_and_old_files_stay() {
         for target in ["disk/old.exr", "disk/new.exr", "disk/new.png", "disk/new.part"] {
             run(&desk, &[&render[..], &[target]].concat(), 1, &[told, target, "cannot write"]);
         }
-        run(&desk, &[&render[..], &["a.exr", "--stats", "disk/a.json"]].concat(), 1, &[told, "disk/a.json"]);
+        run(&desk, &[&render[..], &["a.exr"]].concat(), 0, &[]);
+        run(&desk, &[&render[..], &["b.exr", "--stats", "disk/a.json"]].concat(), 1, &[told, "disk/a.json"]);
         for target in ["disk/old.exr", "disk/new.png"] {
             run(&desk, &[&merge[..], &[target]].concat(), 1, &[told, target]);
         }
@@ -100,14 +104,59 @@ fn files_that_may_not_grow_are_told() {
     );
 }
 
-/// Where nothing can be made at all, not even by root.
+/// Where nothing can be made at all, not even by root. Nothing is rendered for it.
 #[test]
 fn places_without_files_are_told() {
     let desk = desk();
     for target in ["/proc/specula.exr", "/sys/specula.exr"] {
-        run(&desk, &["render", "still.toml", "-o", target], 1, &[target, "cannot write"]);
+        let words = ["render", "still.toml", "-o", target, "--stats", "a.json"];
+        run(&desk, &words, 1, &[target, "cannot write"]);
+        assert!(!desk.path("a.json").exists(), "{target}: beforehand");
     }
     run(&desk, &["render", "still.toml", "-o", "/dev/null/a.exr"], 2, &["there is no directory `/dev/null`"]);
+}
+
+/// A socket is there, and nobody can open it.
+#[test]
+fn one_file_that_cannot_be_written_costs_no_other() {
+    let desk = desk();
+    let _socket = UnixListener::bind(desk.path("a.png")).expect("bound");
+    let others = ["-o", "a.exr", "-o", "a.part", "--stats", "a.json"];
+    let words = [&["render", "still.toml", "-o", "a.png"][..], &others].concat();
+    run(&desk, &words, 1, &["a.png: cannot write"]);
+    run(
+        &desk,
+        &["merge", "a.part", "-o", "a.png", "-o", "m.exr", "--stats", "m.json"],
+        1,
+        &["a.png: cannot"],
+    );
+    for name in ["a.exr", "a.part", "a.json", "m.exr", "m.json"] {
+        assert!(desk.path(name).exists(), "{name}: {:?}", desk.names());
+    }
+    let about = fs::metadata(desk.path("a.png")).expect("there");
+    assert!(about.file_type().is_socket(), "still there");
+}
+
+/// Pipes, by the name of one and by that of standard output.
+#[test]
+fn pipes_are_written_to() {
+    let desk = desk();
+    let made = Command::new("mkfifo").arg(desk.path("a.png")).status().expect("run");
+    assert!(made.success(), "a pipe");
+    // Open for both, so that nobody waits for anybody.
+    let mut pipe = File::options().read(true).write(true).open(desk.path("a.png")).expect("opened");
+    let words = ["render", "still.toml", "-q", "-o", "a.png", "--stats", "/dev/fd/1"];
+    let (status, out, said) = desk.run(&words);
+    assert_eq!(status, 0, "{said}");
+    assert!(fs::metadata(desk.path("a.png")).expect("there").file_type().is_fifo(), "still a pipe");
+    let mut bytes = vec![0; 1 << 16];
+    let length = pipe.read(&mut bytes).expect("readable");
+    assert!(
+        image::load_from_memory(&bytes[..length]).is_ok_and(|picture| picture.width() == 16),
+        "a picture"
+    );
+    let report = out.strip_suffix("a.png\n/dev/fd/1\n").expect("the names last");
+    assert!(serde_json::from_str::<Value>(report).is_ok_and(|it| it["phases"].is_object()), "{out}");
 }
 
 /// Textures and meshes that go, or are damaged, while a batch goes on.

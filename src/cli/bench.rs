@@ -10,7 +10,7 @@ use super::frozen::Frozen;
 use super::interrupt::Interrupt;
 use super::options::BenchOptions;
 use super::progress::Meter;
-use super::{log, output};
+use super::{log, options, output};
 use crate::bench::file::{self, Recording};
 use crate::bench::machine::{self, Machine};
 use crate::bench::{Outcome, Report, Track, Watch};
@@ -23,6 +23,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<()> {
     log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = BenchOptions::new(args)?;
+    options::try_out(options.report.iter().chain(&options.record))?;
     let machine = Machine::here();
     if machine.build.debug_assertions {
         tracing::warn!("built with assertions for debugging: rates mean nothing; build with `--release`");

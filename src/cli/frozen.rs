@@ -32,6 +32,8 @@ pub(super) struct Frozen {
     pub(super) description: Description,
     /// Files that are named by files of the scene.
     pub(super) files: Vec<PathBuf>,
+    /// All files that it is made of.
+    pub(super) inputs: Vec<PathBuf>,
     /// The frame of a sequence, and when it begins in seconds.
     pub(super) frame: Option<(i32, f64)>,
     /// Where each placement was described.
@@ -53,11 +55,12 @@ impl Frozen {
         (frame, wanted): (Option<i32>, Wanted),
         from: (&Trust, &Arc<Library>),
     ) -> Result<Self> {
-        let Loaded { description, mut warnings } = loaded;
+        let Loaded { description, mut warnings, files: mut inputs } = loaded;
         let (description, frame) = at_frame(description, frame);
         let built = scene::build_from(&description, &wanted, from).inspect_err(|_| log::warn(&warnings))?;
         let Built { scene, origins, files, warnings: more, unread, pruned } = built;
         warnings.extend(more);
+        inputs.extend(files.iter().cloned());
         let hash = scene::fingerprint(&description, folder(path));
         Ok(Self {
             scene,
@@ -70,6 +73,7 @@ impl Frozen {
             hash,
             description,
             files,
+            inputs,
             frame,
             origins,
         })

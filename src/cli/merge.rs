@@ -11,7 +11,7 @@ use super::kept::open;
 use super::options::{MergeOptions, Output};
 use super::render::write_json;
 use super::statistics::{self, mean};
-use super::{log, output};
+use super::{both, log, options, output};
 use crate::error::{Error, Place, Problem, Problems, Result};
 use crate::film::{Film, SampleId};
 use crate::image::tone::{Curve, Development};
@@ -30,6 +30,7 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
     log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = MergeOptions::new(args)?;
+    options::try_out(options.outputs.iter().map(|output| &output.path).chain(&options.stats))?;
     let (merged, merging) = Phase::of(|| merge(&options, &interrupt));
     let merged = merged?;
     tracing::info!(
@@ -44,10 +45,13 @@ pub(super) fn run(args: &MergeArgs) -> Result<()> {
         tracing::warn!("{dropped} samples were not finite and count as black");
     }
     let (written, writing) = Phase::of(|| merged.write(&options, &interrupt));
-    written?;
-    if let Some(path) = &options.stats {
-        write_json(path, &merged.report(&options, [("write", writing), ("merge", merging)]))?;
+    if matches!(written, Err(Error::Interrupted)) {
+        return written;
     }
+    let told = options.stats.as_ref().map_or(Ok(()), |path| {
+        write_json(path, &merged.report(&options, [("write", writing), ("merge", merging)]))
+    });
+    both(written, told)?;
     let paths = options.outputs.iter().map(|output| &output.path).chain(&options.stats);
     output::print(paths.map(|path| format!("{}\n", path.display())).collect::<String>().as_bytes())
 }
@@ -213,19 +217,23 @@ fn problem(gap: Gap, paths: &[PathBuf]) -> Problem {
 }
 
 impl Merged {
-    /// Writes all pictures.
+    /// Writes all pictures, one that fails beside the others.
     fn write(&self, options: &MergeOptions, interrupt: &Interrupt) -> Result<()> {
+        let mut written = Ok(());
         for Output { path, format } in &options.outputs {
-            interrupt.check()?;
-            match format {
+            if interrupt.is_asked() {
+                return both(Err(Error::Interrupted), written);
+            }
+            let this = match format {
                 Format::Exr => {
                     let picture = self.film.picture(options.precision, self.attributes());
-                    log::warn(&exr::write(path, picture)?);
+                    exr::write(path, picture).map(|warnings| log::warn(&warnings))
                 }
-                Format::Png => png::write(path, &self.film.image(), self.development())?,
-            }
+                Format::Png => png::write(path, &self.film.image(), self.development()),
+            };
+            written = both(written, this);
         }
-        Ok(())
+        written
     }
 
     /// What the parts tell of some metadata.

@@ -102,6 +102,17 @@ pub fn fail(error: &Error) -> ExitCode {
     })
 }
 
+/// Fails if one of two things did. Where both did, the error of the second is told.
+fn both(first: Result<()>, second: Result<()>) -> Result<()> {
+    match (first, second) {
+        (Err(first), Err(second)) => {
+            tracing::error!("{}", chain(&second));
+            Err(first)
+        }
+        (first, second) => first.and(second),
+    }
+}
+
 /// The message of an error and of what caused it, down to the root.
 fn chain(error: &Error) -> String {
     let mut text = error.to_string();

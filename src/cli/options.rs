@@ -18,7 +18,7 @@ pub(super) use bench::BenchOptions;
 pub(super) use cost::Cost;
 pub(super) use diff::DiffOptions;
 pub(super) use farm::{FarmOptions, SlurmOptions};
-pub(super) use files::{Output, check_target, with_extension};
+pub(super) use files::{Output, check_target, try_out, with_extension};
 pub(super) use fuzzy::FuzzyOptions;
 pub(super) use merge::MergeOptions;
 pub(super) use render::{

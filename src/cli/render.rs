@@ -1,7 +1,7 @@
 //! The command `render`.
 
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde_json::Value;
@@ -17,7 +17,7 @@ use super::options::{Output, RenderOptions, Trusted};
 use super::progress::{Meter, Shown, metric};
 use super::stage::{Made, Order, Stage};
 use super::statistics::{self, Times};
-use super::{log, options, output, threads};
+use super::{both, log, options, output, threads};
 use crate::display::Display;
 use crate::error::{Error, Result};
 use crate::image::tone::{Curve, Development};
@@ -40,6 +40,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<()> {
         scene::load_within(&options.scene, &options.overrides, &options.trust)
     });
     let loaded = loaded?;
+    options.spare(&loaded.files)?;
     let count = options.frames.as_ref().map_or(1, |frames| frames.numbers().len());
     // One picture has nobody to keep files for.
     let library = Library::of_bytes(if count > 1 { memory::half_of_free() } else { 0 });
@@ -97,7 +98,9 @@ fn one(
 ) -> Result<()> {
     let mut options = order.options.clone();
     interrupt.check()?;
+    options.try_out()?;
     let read = stage.load(order)?;
+    options.spare(&stage.frozen()?.files)?;
     let meter = Meter::new(quiet, "samples", interrupt.clone());
     let prediction = stage.settle(&mut options, order.start, &meter)?;
     let options = &options;
@@ -118,17 +121,17 @@ fn one(
 
     let notes = wanted.map_or(Ok(Vec::new()), |wanted| wanted.notes(frozen, stage.library()))?;
     let (written, write) = Phase::of(|| {
-        write(options, frozen, &rendered, (load, &notes))?;
-        write_parts(options, (frozen, about), (&settings, &rendered), load)
+        let pictures = write(options, frozen, &rendered, (load, &notes));
+        both(pictures, write_parts(options, (frozen, about), (&settings, &rendered), load))
     });
-    written?;
-    if let Some(path) = &options.stats {
+    let told = options.stats.as_ref().map_or(Ok(()), |path| {
         let mut report = statistics::report(options, frozen, &rendered, Times { load, write });
         if let Some(prediction) = prediction {
             report["cost"] = prediction.beside(&rendered, elapsed);
         }
-        write_json(path, &report)?;
-    }
+        write_json(path, &report)
+    });
+    both(written, told)?;
     if let Some(kept) = kept {
         kept.remove();
     }
@@ -211,7 +214,8 @@ pub(super) fn tell_dropped(
     }
 }
 
-/// Writes all pictures, with `more` metadata; EXR files last, by which a picture is known to be done.
+/// Writes all pictures, one that fails beside the others, with `more` metadata by which a picture is known to be done: EXR files come last,
+/// and lack them where another file could not be written.
 pub(super) fn write(
     options: &RenderOptions,
     frozen: &Frozen,
@@ -220,23 +224,36 @@ pub(super) fn write(
 ) -> Result<()> {
     let (last, first): (Vec<_>, Vec<_>) =
         options.outputs.iter().partition(|output| output.format == Format::Exr);
+    let mut written = Ok(());
     for Output { path, format } in first.into_iter().chain(last) {
-        match format {
+        let this = match format {
             Format::Exr => {
-                let mut attributes = statistics::attributes(frozen, rendered, load);
-                attributes.extend_from_slice(more);
-                let mut picture = rendered.film.picture(options.precision, attributes);
-                if options.first_pass {
-                    let (channels, attributes) = post::layers(&rendered.first_pass);
-                    picture.channels.extend(channels);
-                    picture.attributes.extend(attributes);
-                }
-                log::warn(&exr::write(path, picture)?);
+                let more = if written.is_ok() { more } else { &[] };
+                write_exr(path, options, (frozen, rendered), (load, more))
             }
-            Format::Png => png::write(path, &rendered.film.image(), development(&frozen.scene))?,
-        }
+            Format::Png => png::write(path, &rendered.film.image(), development(&frozen.scene)),
+        };
+        written = both(written, this);
     }
-    Ok(())
+    written
+}
+
+/// Writes a picture with all its outputs and metadata, and `more`.
+fn write_exr(
+    path: &Path,
+    options: &RenderOptions,
+    (frozen, rendered): (&Frozen, &Rendered),
+    (load, more): (Phase, &[(String, String)]),
+) -> Result<()> {
+    let mut attributes = statistics::attributes(frozen, rendered, load);
+    attributes.extend_from_slice(more);
+    let mut picture = rendered.film.picture(options.precision, attributes);
+    if options.first_pass {
+        let (channels, attributes) = post::layers(&rendered.first_pass);
+        picture.channels.extend(channels);
+        picture.attributes.extend(attributes);
+    }
+    exr::write(path, picture).map(|warnings| log::warn(&warnings))
 }
 
 /// Writes the sums.
@@ -257,10 +274,8 @@ fn write_parts(
         about,
         told: kept::told(&statistics::attributes(frozen, rendered, load), &statistics, &frozen.scene),
     };
-    for path in &options.parts {
-        atomic::write(path, |mut file| part.write(&mut file))?;
-    }
-    Ok(())
+    let write = |path: &PathBuf| atomic::write(path, |mut file| part.write(&mut file));
+    options.parts.iter().map(write).fold(Ok(()), both)
 }
 
 /// How the scene wants to be shown.
@@ -278,6 +293,5 @@ pub(super) fn write_json(path: &Path, value: &Value) -> Result<()> {
 
 /// The files that were written, one a line.
 fn names(options: &RenderOptions) -> String {
-    let paths = options.outputs.iter().map(|output| &output.path).chain(&options.parts).chain(&options.stats);
-    paths.map(|path| format!("{}\n", path.display())).collect()
+    options.results().map(|path| format!("{}\n", path.display())).collect()
 }

@@ -9,7 +9,7 @@ use super::interrupt::Interrupt;
 use super::options::{Against, TradeoffOptions, with_extension};
 use super::progress::Meter;
 use super::render::development;
-use super::{log, output, threads};
+use super::{log, options, output, threads};
 use crate::bench::machine::{self, Machine};
 use crate::error::{Error, Result};
 use crate::image::{Image, atomic};
@@ -28,6 +28,7 @@ pub(super) fn run(args: &TradeoffArgs) -> Result<()> {
     log::start(&args.log);
     let interrupt = Interrupt::listen();
     let options = TradeoffOptions::new(args)?;
+    options::try_out(options.report.iter().chain(&options.csv))?;
     threads::limit(options.threads);
     let machine = Machine::here();
     if machine.build.debug_assertions {

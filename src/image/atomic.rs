@@ -3,11 +3,13 @@
 //! What is written goes to a temporary file in the same directory, which takes the target's name when it is complete. A
 //! reader never sees half a file, and a failure leaves the old one as it was. A symbolic link is followed, not replaced. What a
 //! process leaves that is killed meanwhile goes when a later process writes the same target again.
+//!
+//! What is no file stays: pipes and devices are written to when all that they get is there.
 
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::io::{self, BufWriter, Write as _};
+use std::io::{self, BufWriter, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -16,38 +18,65 @@ use tempfile::NamedTempFile;
 use crate::error::{Error, Problem, Result};
 
 /// Writes `path` by `fill`, atomically. An error of `fill` is passed on and nothing changes.
-pub fn write<T>(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<T>,
-) -> Result<T> {
-    let failed = |source| Error::Io { path: path.to_owned(), what: "cannot write", source };
-    write_through(&followed(path), fill).map_err(failed)
+pub fn write<T>(path: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<T>) -> Result<T> {
+    let written = if is_no_file(path) { pour(path, fill) } else { replace(&followed(path), fill) };
+    written.map_err(|source| failed(path, source))
 }
 
-fn write_through<T>(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<&mut NamedTempFile>) -> io::Result<T>,
-) -> io::Result<T> {
-    let name = path.file_name().ok_or_else(|| io::Error::other("it does not name a file"))?;
-    let prefix = prefix(name);
-    sweep(directory(path), &prefix);
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(&prefix).rand_bytes(RANDOM).suffix(SUFFIX);
-    let permissions = new_file_permissions(path);
-    if let Some(permissions) = permissions.clone() {
-        builder.permissions(permissions);
-    }
-    let mut file = builder.tempfile_in(directory(path))?;
+fn failed(path: &Path, source: io::Error) -> Error {
+    Error::Io { path: path.to_owned(), what: "cannot write", source }
+}
+
+/// Whether there is something that is neither a file nor a directory, such as a pipe or a device.
+fn is_no_file(path: &Path) -> bool {
+    fs::metadata(path).is_ok_and(|about| !about.is_file() && !about.is_dir())
+}
+
+/// Writes to what is no file. Writers may go back in what they write, so a file without a name has it first.
+fn pour<T>(path: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<T>) -> io::Result<T> {
+    let mut file = tempfile::tempfile()?;
+    let value = filled(&mut file, fill)?;
+    file.rewind()?;
+    io::copy(&mut file, &mut File::options().write(true).open(path)?)?;
+    Ok(value)
+}
+
+/// Puts a file in the place of what is there, if anything.
+fn replace<T>(path: &Path, fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<T>) -> io::Result<T> {
+    sweep(directory(path), &prefix(name(path)?));
+    let mut file = beside(path)?;
     // Says that somebody is at it. Where files cannot be locked, nobody can find that nobody is.
     let _ = file.as_file().try_lock();
-    let mut writer = BufWriter::new(&mut file);
-    let value = fill(&mut writer)?;
-    writer.flush()?;
-    drop(writer);
+    let value = filled(file.as_file_mut(), fill)?;
     // Without this a crash of the machine soon after could leave the new name with none of the contents.
     file.as_file().sync_all()?;
     file.persist(path).map_err(|e| e.error)?;
     Ok(value)
+}
+
+fn filled<T>(
+    file: &mut File,
+    fill: impl FnOnce(&mut BufWriter<&mut File>) -> io::Result<T>,
+) -> io::Result<T> {
+    let mut writer = BufWriter::new(file);
+    let value = fill(&mut writer)?;
+    writer.flush()?;
+    Ok(value)
+}
+
+/// A new file beside a target, to take its name.
+fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let prefix = prefix(name(path)?);
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(&prefix).rand_bytes(RANDOM).suffix(SUFFIX);
+    if let Some(permissions) = new_file_permissions(path) {
+        builder.permissions(permissions);
+    }
+    builder.tempfile_in(directory(path))
+}
+
+fn name(path: &Path) -> io::Result<&OsStr> {
+    path.file_name().ok_or_else(|| io::Error::other("it does not name a file"))
 }
 
 /// Takes `path` away, and what writers that were killed have left of it. One that is not there is no error.
@@ -115,6 +144,15 @@ pub fn check_target(path: &Path) -> Result<()> {
         return Err(Problem::new(what).remedy("name a file in it").into());
     }
     Ok(())
+}
+
+/// Fails now where the folder of `path` would not take a new file later: makes one, and takes it away. What is no file is not tried, since
+/// somebody may be listening.
+pub fn try_out(path: &Path) -> Result<()> {
+    if is_no_file(path) {
+        return Ok(());
+    }
+    beside(&followed(path)).map(drop).map_err(|source| failed(path, source))
 }
 
 /// Where the file really is, if `path` is a link to one.
@@ -198,6 +236,47 @@ mod tests {
         let inside = check_target(&dir.path().join("no/a.png")).expect_err("no directory").to_string();
         assert!(inside.contains("no directory"), "{inside}");
         assert!(check_target(dir.path()).is_err(), "a directory");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn folders_that_take_no_file_are_known_beforehand() {
+        let dir = tempfile::tempdir().expect("a directory");
+        assert!(try_out(&dir.path().join("a.png")).is_ok(), "a new file");
+        assert_eq!(names(dir.path()), [""; 0], "nothing is left");
+        // Not even root can make a file there.
+        let told = try_out(Path::new("/proc/a.png")).expect_err("no file").to_string();
+        assert_eq!(told, "/proc/a.png: cannot write", "as it is told later");
+        let link = dir.path().join("link");
+        std::os::unix::fs::symlink("/proc/self/status", &link).expect("linked");
+        assert!(try_out(&link).is_err(), "the folder of the file itself");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn what_is_no_file_is_written_to_and_stays() {
+        use std::io::Read as _;
+        use std::os::unix::fs::FileTypeExt as _;
+        let dir = tempfile::tempdir().expect("a directory");
+        let path = dir.path().join("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&path).status().expect("run");
+        assert!(made.success(), "a pipe");
+        // Open for both, so that nobody waits for anybody.
+        let mut pipe = File::options().read(true).write(true).open(&path).expect("opened");
+        assert!(try_out(&path).is_ok(), "not tried");
+        let failed = write(&path, |w| w.write_all(b"half").and(Err::<(), _>(io::Error::other("no more"))));
+        assert!(failed.is_err(), "passed on");
+        let back = |w: &mut BufWriter<&mut File>| {
+            w.write_all(b"new")?;
+            w.seek(io::SeekFrom::Start(0))?;
+            w.write_all(b"N")
+        };
+        write(&path, back).expect("written");
+        assert!(fs::metadata(&path).expect("there").file_type().is_fifo(), "still a pipe");
+        let mut bytes = [0; 16];
+        let length = pipe.read(&mut bytes).expect("readable");
+        assert_eq!(&bytes[..length], b"New", "all of it, once");
+        assert_eq!(names(dir.path()), ["pipe"], "nothing beside it");
     }
 
     #[cfg(unix)]

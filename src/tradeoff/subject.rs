@@ -33,7 +33,7 @@ impl Subject {
     ///
     /// Fails with all that is wrong with it.
     pub fn read(path: &Path, overrides: &[String], trust: &Trust) -> Result<(Self, Vec<Problem>)> {
-        let Loaded { description, mut warnings } = scene::load_within(path, overrides, trust)?;
+        let Loaded { description, mut warnings, .. } = scene::load_within(path, overrides, trust)?;
         let wanted = Wanted::default();
         let built = scene::build_from(&description, &wanted, (trust, &Arc::default()))?;
         let Built { scene, files, warnings: more, .. } = built;

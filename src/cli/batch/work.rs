@@ -120,6 +120,7 @@ impl<'a> Whole<'a> {
     fn one(&self, task: &Task, bench: &mut Bench<'a>, progress: &dyn Progress) -> Result<Fate> {
         let options = &task.options;
         let loaded = read(task, &mut bench.loaded)?;
+        options.spare(&loaded.files)?;
         let wanted = Wanted::new(options, loaded, self.library)?;
         let why = wanted.due(options, self.library);
         let why = if self.options.force { why.or_else(|| Some("all are asked for".to_owned())) } else { why };
@@ -127,12 +128,14 @@ impl<'a> Whole<'a> {
         if self.options.dry_run {
             return Ok(Fate::Due(why));
         }
+        options.try_out()?;
         self.admit(self.estimate(task, loaded), &options.scene, (&mut bench.stage, &mut bench.pass))?;
         // Waiting is no part of the time that a picture may take.
         let begin = Instant::now();
         let stage = &mut bench.stage;
         let order = Order { options, loaded, start: begin, is_lenient: true };
         let read = stage.load(&order)?;
+        options.spare(&stage.frozen()?.files)?;
         // Nobody sees the warnings of a batch before they have replaced good pictures.
         Problems(stage.frozen()?.unread.clone()).into_result(())?;
         let Made { rendered, load, kept, .. } = stage.make(&order, read, progress)?;

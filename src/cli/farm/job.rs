@@ -39,6 +39,7 @@ impl<'a> Job<'a> {
     pub(super) fn new(options: &'a FarmOptions) -> Result<Self> {
         let picture = &options.picture;
         let frozen = Frozen::told(&picture.scene, &picture.overrides, picture.wanted(), &picture.trust)?;
+        picture.spare(&frozen.inputs)?;
         let scene = &frozen.scene;
         let of = options.slices.unwrap_or_else(|| SLICES.min(scene.render.spp()));
         let settings = |index: u32| Settings {

@@ -1,9 +1,10 @@
 //! Files that a command reads and writes.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use super::values::on_command_line;
-use crate::error::{Place, Problem, Problems};
+use crate::error::{Place, Problem, Problems, Result};
 use crate::image::{Format, atomic};
 
 /// A file to write.
@@ -24,14 +25,16 @@ pub(super) fn check_input(path: &Path, problems: &mut Problems) {
 
 /// Whether both name one file, be it there or not.
 pub(super) fn is_same(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| {
-        path.canonicalize().ok().or_else(|| {
-            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-            let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
-            Some(folder.join(path.file_name()?))
-        })
-    };
     a == b || matches!((resolved(a), resolved(b)), (Some(a), Some(b)) if a == b)
+}
+
+/// The one name of a file, be it there or not.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().ok()?;
+        Some(folder.join(path.file_name()?))
+    })
 }
 
 /// Refuses a file to write that is one of those to read.
@@ -41,9 +44,26 @@ pub(super) fn spare<'a>(
     problems: &mut Problems,
 ) {
     if inputs.into_iter().any(|input| is_same(input, target)) {
-        let what = format!("`{}` is read and would be overwritten", target.display());
-        problems.push(on_command_line(what).remedy("name another file to write"));
+        problems.push(Problem { place: Some(Place::file("command line")), ..overwritten(target) });
     }
+}
+
+/// Fails where files to write are among those that a scene is made of, wherever they were named.
+pub(super) fn spare_all(inputs: &[PathBuf], targets: impl IntoIterator<Item = PathBuf>) -> Result<()> {
+    let inputs: HashSet<PathBuf> = inputs.iter().filter_map(|input| resolved(input)).collect();
+    let is_read = |target: &PathBuf| resolved(target).is_some_and(|target| inputs.contains(&target));
+    let problems = targets.into_iter().filter(is_read).map(|target| overwritten(&target)).collect();
+    Problems(problems).into_result(())
+}
+
+fn overwritten(target: &Path) -> Problem {
+    let what = format!("`{}` is read and would be overwritten", target.display());
+    Problem::new(what).remedy("name another file to write")
+}
+
+/// Fails where no file can be made in the folder of one of these, before the work is done that they are to hold.
+pub(in crate::cli) fn try_out<'a>(targets: impl IntoIterator<Item = &'a PathBuf>) -> Result<()> {
+    targets.into_iter().try_for_each(|target| atomic::try_out(target))
 }
 
 /// Files to write, each once.

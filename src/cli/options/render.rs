@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::cost::{self, Cost};
-use super::files::{Output, check_target, is_same, outputs, spare, twice, with_extension};
+use super::files::{
+    Output, check_target, is_same, outputs, spare, spare_all, try_out, twice, with_extension,
+};
 use super::trust::Trusted;
 use super::values::{crop, frames, given, on_command_line, target_error, threads, time};
 use crate::cli::args::{
@@ -210,6 +212,25 @@ impl RenderOptions {
             Some(frames) => frames.numbers().iter().copied().map(Some).collect(),
         };
         numbers.into_iter().map(|frame| frame.map_or_else(|| self.clone(), |frame| self.at_frame(frame)))
+    }
+
+    /// Fails where a file to write, of any frame, is among these, of which the scene is made.
+    pub(in crate::cli) fn spare(&self, inputs: &[PathBuf]) -> Result<()> {
+        let targets = self.pictures().flat_map(|picture| {
+            let checkpoint = picture.checkpoint.iter().map(|it| &it.path);
+            picture.results().chain(checkpoint).cloned().collect::<Vec<_>>()
+        });
+        spare_all(inputs, targets)
+    }
+
+    /// Fails where no file can be made in the folder of one that is to be written. Rendering goes on without checkpoints.
+    pub(in crate::cli) fn try_out(&self) -> Result<()> {
+        try_out(self.results())
+    }
+
+    /// All files to write, but for the checkpoint.
+    pub(in crate::cli) fn results(&self) -> impl Iterator<Item = &PathBuf> {
+        self.outputs.iter().map(|output| &output.path).chain(&self.parts).chain(&self.stats)
     }
 
     fn at_frame(&self, frame: i32) -> Self {

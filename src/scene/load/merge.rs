@@ -36,6 +36,11 @@ impl Reader {
         Self { trust, bytes: 0, open: vec![], done: vec![], incomplete: false }
     }
 
+    /// Files that were read.
+    pub(crate) fn done(&self) -> &[PathBuf] {
+        &self.done
+    }
+
     /// The tree of a file and of what it includes; `None` with the problems reported where nothing could be read.
     /// `from` is where it is included.
     pub(crate) fn read(&mut self, path: &Path, from: Option<&Spot>, report: &mut Report) -> Option<Node> {

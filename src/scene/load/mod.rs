@@ -27,6 +27,7 @@ pub(crate) mod words;
 
 use crate::error::{Problem, Result};
 use crate::scene::description::{Description, Form, FuzzyFilter, Integrator, Light, Scattering, Texture};
+use crate::scene::identity;
 use crate::scene::load::node::{Entry, Node};
 use crate::scene::record::{Rules, Value};
 use crate::trust::Trust;
@@ -36,7 +37,7 @@ pub use mesh::{About, EXTENSIONS, LoadedMesh, Shading, decode_mesh, load_mesh, l
 pub use overrides::from_root;
 use report::Report;
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A scene as its files say.
@@ -46,6 +47,8 @@ pub struct Loaded {
     pub description: Description,
     /// What is allowed but hardly meant.
     pub warnings: Vec<Problem>,
+    /// The scene file, those that it includes, and those that the description names, from the root.
+    pub files: Vec<PathBuf>,
 }
 
 /// The description in the scene file at `path`, with values replaced by `overrides` of the form `key=value`, the key
@@ -90,7 +93,8 @@ pub fn load_from<'a>(
     let description = report.into_result(description)?;
     let mut warnings = warnings(&description);
     warnings.extend(idle_knobs(&tree, description.render.integrator));
-    Ok(Loaded { description, warnings })
+    let files = identity::files(&description, reader.done());
+    Ok(Loaded { description, warnings, files })
 }
 
 /// The filter that settings of the form `key=value` describe, later ones before earlier ones, defaults for the rest.
