@@ -170,17 +170,19 @@ impl Scattering {
 
     /// The surfaces that this one is made of: itself, or the parts of a mix.
     pub fn parts(&self) -> impl Iterator<Item = &Self> {
-        let layers = if let Self::Mix(layers) = self { layers.as_slice() } else { &[] };
-        let own = (!matches!(self, Self::Mix(_))).then_some(self);
-        own.into_iter().chain(layers.iter().map(|layer| &layer.scattering))
+        self.all_parts().map(|(part, _)| part)
     }
 
     /// The same, but for parts of weight zero, which may be kept for comparison.
     fn parts_that_count(&self) -> impl Iterator<Item = &Self> {
+        self.all_parts().filter(|(_, counts)| *counts).map(|(part, _)| part)
+    }
+
+    /// All parts, and whether they have any weight.
+    fn all_parts(&self) -> impl Iterator<Item = (&Self, bool)> {
         let layers = if let Self::Mix(layers) = self { layers.as_slice() } else { &[] };
-        let own = (!matches!(self, Self::Mix(_))).then_some(self);
-        own.into_iter()
-            .chain(layers.iter().filter(|layer| !layer.weight.is_black()).map(|layer| &layer.scattering))
+        let own = (!matches!(self, Self::Mix(_))).then_some((self, true));
+        own.into_iter().chain(layers.iter().map(|layer| (&layer.scattering, !layer.weight.is_black())))
     }
 
     /// Whether a path has a choice of ways on.
